@@ -8,12 +8,24 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "twin/base/multiversion.h"
+
 namespace kerfbench::inspect {
 namespace {
 
 constexpr double kInterval = 2.5;
 constexpr double kScatter = 3.0;    // Standard deviations of the scatter that pass for noise.
 constexpr std::size_t kFewest = 5;  // Readings for a parabola that is more than an interpolation.
+
+/// Sums of readings by their weights, of all draws.
+KERFBENCH_WIDE void addWeighted(const double* weight, std::size_t count, const LineSmoother::Draws* reading,
+                                LineSmoother::Draws& out) {
+  LineSmoother::Draws sum{};
+  for (std::size_t j = 0; j < count; ++j) {
+    for (std::size_t d = 0; d < sum.size(); ++d) sum[d] += weight[j] * reading[j][d];
+  }
+  out = sum;
+}
 
 }  // namespace
 
@@ -119,6 +131,16 @@ void LineSmoother::apply(const std::vector<double>& reading_mm, const std::vecto
                          std::vector<double>& estimate_mm) const {
   estimate_mm.resize(line_.size());
   for (std::size_t i = 0; i < line_.size(); ++i) estimate_mm[i] = apply(window_[level[i]][i], reading_mm);
+}
+
+void LineSmoother::apply(const std::vector<Draws>& reading_mm, const std::vector<std::uint8_t>& level,
+                         std::vector<Draws>& estimate_mm) const {
+  estimate_mm.resize(line_.size());
+  for (std::size_t i = 0; i < line_.size(); ++i) {
+    const Window& window = window_[level[i]][i];
+    const std::vector<double>& weight = window.kernel->weight;
+    addWeighted(weight.data(), weight.size(), reading_mm.data() + window.first, estimate_mm[i]);
+  }
 }
 
 double LineSmoother::correlationWithPrevious(std::size_t reading,

@@ -30,6 +30,12 @@ class LineSmoother {
   /// The estimate with the windows fixed: linear in the readings.
   void apply(const std::vector<double>& reading_mm, const std::vector<std::uint8_t>& level,
              std::vector<double>& estimate_mm) const;
+  /// Several simulated measurements of the line that are smoothed together, since processors compute several
+  /// numbers at once: one of each.
+  static constexpr std::size_t kDrawsAtOnce = 8;
+  using Draws = std::array<double, kDrawsAtOnce>;
+  void apply(const std::vector<Draws>& reading_mm, const std::vector<std::uint8_t>& level,
+             std::vector<Draws>& estimate_mm) const;
   /// Standard uncertainty of an estimate by the readings' noise.
   [[nodiscard]] double sigma(std::size_t reading, std::uint8_t level) const {
     return sigma_mm_[level][reading];

@@ -159,12 +159,23 @@ double Roundness::unfittedSigma() const {
 
 double Roundness::seamSigma() const { return kBeyondSeam / std::sqrt(3.0) * std::abs(step_mm_); }
 
-double Roundness::simulated(const CounterRandom& random, const Eigen::VectorXd& shift_mm) const {
-  Eigen::VectorXd coefficient =
-      likely_of_ + basis_.transpose() * shift_mm.segment(static_cast<Eigen::Index>(skipped_), basis_.rows());
-  for (Eigen::Index j = kCircle; j < coefficient.size(); ++j)
-    coefficient[j] += noise_mm_ * random.normal(static_cast<std::uint64_t>(j));
-  return rangeOf(coefficient);
+LineSmoother::Draws Roundness::simulated(
+    std::span<const CounterRandom, LineSmoother::kDrawsAtOnce> random,
+    std::span<const LineSmoother::Draws> shift_mm) const {
+  using Sample = Eigen::Matrix<double, Eigen::Dynamic, LineSmoother::kDrawsAtOnce, Eigen::RowMajor>;
+  const Eigen::Map<const Sample> shift(shift_mm[skipped_].data(), basis_.rows(), Sample::ColsAtCompileTime);
+  Sample coefficient = basis_.transpose() * shift;
+  coefficient.colwise() += likely_of_;
+  for (Eigen::Index j = kCircle; j < coefficient.rows(); ++j) {
+    for (Eigen::Index d = 0; d < coefficient.cols(); ++d)
+      coefficient(j, d) +=
+          noise_mm_ * random[static_cast<std::size_t>(d)].normal(static_cast<std::uint64_t>(j));
+  }
+  const Sample radius = radius_ * coefficient;
+  LineSmoother::Draws range{};
+  Eigen::Map<Eigen::RowVector<double, Sample::ColsAtCompileTime>>(range.data()) =
+      radius.colwise().maxCoeff() - radius.colwise().minCoeff();
+  return range;
 }
 
 }  // namespace kerfbench::inspect

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "hil/inspect/deviation/error_model.h"
+#include "hil/inspect/deviation/line_smoother.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::inspect {
@@ -31,8 +33,10 @@ class Roundness {
   [[nodiscard]] double asRead() const { return as_read_mm_; }
   /// Range of a likely truth: the fitted waves, each drawn in by what noise is likely to have added to it.
   [[nodiscard]] double likely() const { return likely_mm_; }
-  /// Range of the likely truth, measured with noise from `random` and these shared errors of its readings.
-  [[nodiscard]] double simulated(const CounterRandom& random, const Eigen::VectorXd& shift_mm) const;
+  /// Ranges of the likely truth, measured with noise from `random` and these shared errors of its readings,
+  /// one for each draw.
+  [[nodiscard]] LineSmoother::Draws simulated(std::span<const CounterRandom, LineSmoother::kDrawsAtOnce> random,
+                                              std::span<const LineSmoother::Draws> shift_mm) const;
   /// Standard uncertainty by waves that are too weak to be fitted: each of the two extremes may miss the
   /// amplitude at which one just would have been, either way (rectangular).
   [[nodiscard]] double unfittedSigma() const;

@@ -8,6 +8,9 @@
 
 #include <Eigen/QR>
 
+#include "twin/base/multiversion.h"
+#include "twin/base/normals.h"
+
 namespace kerfbench::inspect {
 namespace {
 
@@ -23,13 +26,16 @@ Eigen::MatrixXd trendBasis(std::size_t count) {
   return basis.leftCols(std::min<Eigen::Index>(5, n));
 }
 
-/// Standard normal values, two from each pair of uniform ones (Box and Muller).
-void normals(const CounterRandom& random, std::uint64_t first, std::vector<double>& out) {
-  for (std::size_t i = 0; i < out.size(); i += 2) {
-    const double radius = std::sqrt(-2.0 * std::log(1.0 - random.uniform(first + i)));
-    const double angle = 2.0 * std::numbers::pi * random.uniform(first + i + 1);
-    out[i] = radius * std::cos(angle);
-    if (i + 1 < out.size()) out[i + 1] = radius * std::sin(angle);
+/// What the shared errors make of the readings: a row of weights for each, a weight for each error.
+KERFBENCH_WIDE void addShared(std::span<const double> weights, std::span<const Draws> errors,
+                              std::span<Draws> shift) {
+  for (std::size_t i = 0; i < shift.size(); ++i) {
+    Draws sum{};
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+      const double weight = weights[i * errors.size() + k];
+      for (std::size_t d = 0; d < sum.size(); ++d) sum[d] += weight * errors[k][d];
+    }
+    shift[i] = sum;
   }
 }
 
@@ -53,8 +59,46 @@ double sumOfSquares(const std::vector<double>& values, LineKind::Rms about) {
   return about == LineKind::Rms::kAboutZero ? sum : sum - mean * mean * static_cast<double>(values.size());
 }
 
+Draws largestOf(std::span<const Draws> values) {
+  Draws most{};
+  for (const Draws& value : values) {
+    for (std::size_t d = 0; d < most.size(); ++d)
+      most[d] = std::isnan(value[d]) ? value[d] : std::max(most[d], std::abs(value[d]));  // A NaN stays.
+  }
+  return most;
+}
+
+Draws sumOfSquares(std::span<const Draws> values, LineKind::Rms about) {
+  Draws sum{};
+  Draws mean{};
+  if (values.empty()) return sum;
+  const auto count = static_cast<double>(values.size());
+  for (const Draws& value : values) {
+    for (std::size_t d = 0; d < sum.size(); ++d) {
+      sum[d] += value[d] * value[d];
+      mean[d] += value[d] / count;
+    }
+  }
+  if (about == LineKind::Rms::kAboutZero) return sum;
+  for (std::size_t d = 0; d < sum.size(); ++d) sum[d] -= mean[d] * mean[d] * count;
+  return sum;
+}
+
 SimulatedLine::SimulatedLine(const ReadingLine& line, const LineKind& kind)
-    : rms(kind.rms), line_(line), smoother_(line), noise_(line.size()) {
+    : rms(kind.rms),
+      reading_mm(line.size()),
+      shift_mm(line.size()),
+      line_(line),
+      smoother_(line),
+      noise_(kDrawsAtOnce * line.size()) {
+  for (Eigen::Index k = 0; k < line.shared.cols(); ++k) {
+    if ((line.shared.col(k).array() != 0.0).any()) columns_.push_back(k);
+  }
+  weights_.reserve(columns_.size() * line.size());
+  for (Eigen::Index i = 0; i < line.shared.rows(); ++i) {
+    for (const Eigen::Index k : columns_) weights_.push_back(line.shared(i, k));
+  }
+
   smoother_.smooth(line.reading_mm, estimate_mm, &level);
   likely_mm = likelyTruth();
   if (kind.is_circle && kind.angle_rad.size() == line.size()) {
@@ -81,17 +125,22 @@ std::vector<double> SimulatedLine::likelyTruth() {
   return {likely.begin(), likely.end()};
 }
 
-void SimulatedLine::measure(const CounterRandom& noise, std::uint64_t first,
-                            const Eigen::VectorXd& shared_error) {
-  const Eigen::VectorXd shift = line_.shared * shared_error;
+void SimulatedLine::measure(std::span<const CounterRandom, kDrawsAtOnce> noise, std::uint64_t first,
+                            std::span<const Draws> shared_error) {
+  addShared(weights_, shared_error, shift_mm);
+  const std::size_t n = line_.size();
+  for (std::size_t d = 0; d < kDrawsAtOnce; ++d)
+    fillNormals(noise[d], first, std::span(noise_).subspan(d * n, n));
   const double innovation = std::sqrt(1.0 - line_.q * line_.q);
-  normals(noise, first, noise_);
-  reading_mm.resize(line_.size());
   for (std::size_t s = 0; s + 1 < line_.segment.size(); ++s) {
-    double z = 0.0;
-    for (std::size_t i = line_.segment[s]; i < line_.segment[s + 1]; ++i) {
-      z = i == line_.segment[s] ? noise_[i] : line_.q * z + innovation * noise_[i];
-      reading_mm[i] = likely_mm[i] + line_.sigma_mm[i] * z + shift[static_cast<Eigen::Index>(i)];
+    const std::size_t begin = line_.segment[s];
+    Draws z{};
+    for (std::size_t i = begin; i < line_.segment[s + 1]; ++i) {
+      for (std::size_t d = 0; d < kDrawsAtOnce; ++d) {
+        const double drawn = noise_[d * n + i];
+        z[d] = i == begin ? drawn : line_.q * z[d] + innovation * drawn;
+        reading_mm[i][d] = likely_mm[i] + line_.sigma_mm[i] * z[d] + shift_mm[i][d];
+      }
     }
   }
   smoother_.apply(reading_mm, level, simulated_mm);

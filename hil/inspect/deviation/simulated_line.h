@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "hil/inspect/deviation/error_model.h"
@@ -16,8 +18,15 @@ namespace kerfbench::inspect {
 /// Largest magnitude; NaN if any value is.
 double largestOf(const std::vector<double>& values);
 
-/// RMS of the values, about zero or about their mean.
+/// Sum of the squares of the values, about zero or about their mean.
 double sumOfSquares(const std::vector<double>& values, LineKind::Rms about);
+
+constexpr std::size_t kDrawsAtOnce = LineSmoother::kDrawsAtOnce;
+using Draws = LineSmoother::Draws;
+
+/// The same of each draw.
+Draws largestOf(std::span<const Draws> values);
+Draws sumOfSquares(std::span<const Draws> values, LineKind::Rms about);
 
 /// One line with all that simulated measurements of it need.
 class SimulatedLine {
@@ -25,9 +34,12 @@ class SimulatedLine {
   /// Keeps references to the line; it must outlive this.
   SimulatedLine(const ReadingLine& line, const LineKind& kind);
 
-  /// Fills reading_mm and simulated_mm: the likely truth with noise of the given stream and the shared
-  /// errors.
-  void measure(const CounterRandom& noise, std::uint64_t first, const Eigen::VectorXd& shared_error);
+  /// Columns of ReadingLine::shared that are not all nought: the others' errors need not be drawn.
+  [[nodiscard]] const std::vector<Eigen::Index>& columns() const { return columns_; }
+  /// Fills reading_mm, shift_mm and simulated_mm: the likely truth with the noise of a stream for each draw,
+  /// from the counter `first` on, and the shared errors, one for each of columns().
+  void measure(std::span<const CounterRandom, kDrawsAtOnce> noise, std::uint64_t first,
+               std::span<const Draws> shared_error);
 
   [[nodiscard]] const LineSmoother& smoother() const { return smoother_; }
   /// The likely truth as it is measured without noise.
@@ -46,15 +58,18 @@ class SimulatedLine {
   std::vector<double> likely_mm;     ///< The likely truth.
   double noise_share{};              ///< Share of the estimates' noise variance that likely_mm still holds.
   double error_squares{};            ///< Expected sum of squares of the readings' errors.
-  std::vector<double> reading_mm;    ///< Readings of the last measure().
-  std::vector<double> simulated_mm;  ///< Readings of the last measure(), smoothed.
+  std::vector<Draws> reading_mm;     ///< Readings of the last measure().
+  std::vector<Draws> shift_mm;       ///< What the shared errors made of them.
+  std::vector<Draws> simulated_mm;   ///< Readings of the last measure(), smoothed.
 
  private:
   [[nodiscard]] std::vector<double> likelyTruth();
 
   const ReadingLine& line_;
   LineSmoother smoother_;
-  std::vector<double> noise_;
+  std::vector<Eigen::Index> columns_;
+  std::vector<double> weights_;  ///< Of each reading by columns_ of ReadingLine::shared, mm.
+  std::vector<double> noise_;    ///< Draw by draw.
   std::optional<Roundness> roundness_;
 };
 

@@ -2,6 +2,7 @@
 #include "hil/inspect/deviation/worst_deviation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kDraws = 1000;
+constexpr std::size_t kDraws = 1000;
 constexpr std::uint64_t kStreams = 4;  // Streams of random numbers, for each draw.
 constexpr std::uint64_t kHiddenStream = kStreams * kDraws;
 constexpr std::uint64_t kRoundStream =
@@ -158,22 +159,70 @@ class Group {
   bool trends_;
 };
 
-/// Shared errors of one draw for one line: its own, those of its unit's pose, those of tiles and camera.
-Eigen::VectorXd drawShared(const ErrorModel& model, std::size_t line, std::uint64_t seed,
-                           std::uint64_t draw) {
-  const auto unit = static_cast<std::uint64_t>(model.lines[line].unit);
-  const CounterRandom own(seed, kStreams * draw);
-  const CounterRandom pose(seed, kStreams * draw + 1);
-  const CounterRandom camera(seed, kStreams * draw + 2);
-  Eigen::VectorXd e(ReadingLine::kOwn + model.modes);
-  for (Eigen::Index k = 0; k < ReadingLine::kLine; ++k)
-    e[k] = own.normal(static_cast<std::uint64_t>(ReadingLine::kLine) * line + static_cast<std::uint64_t>(k));
-  for (Eigen::Index k = 0; k < ReadingLine::kPose; ++k)
-    e[ReadingLine::kLine + k] = pose.normal(3 * unit + static_cast<std::uint64_t>(k));
-  for (Eigen::Index k = 0; k < model.modes; ++k)
-    e[ReadingLine::kOwn + k] = camera.normal(static_cast<std::uint64_t>(k));
-  return e;
-}
+/// Simulated measurements of all lines that are made together.
+class Batch {
+ public:
+  Batch(const ErrorModel& model, std::uint64_t seed, std::uint64_t first_draw)
+      : model_(model),
+        first_draw_(first_draw),
+        own_(streams(seed, kOwnErrors)),
+        pose_(streams(seed, kPoseErrors)),
+        noise_(streams(seed, kNoise)) {
+    camera_.resize(static_cast<std::size_t>(model.modes));
+    const auto camera = streams(seed, kCameraErrors);
+    for (std::size_t k = 0; k < camera_.size(); ++k) camera_[k] = normalsOf(camera, k);
+  }
+
+  /// Measures a line; its first reading takes the noise at counter `first`.
+  void measure(SimulatedLine& line, std::size_t number, std::uint64_t first) const {
+    std::vector<Draws> shared;
+    for (const Eigen::Index column : line.columns()) shared.push_back(errorOf(column, number));
+    line.measure(noise_, first, shared);
+  }
+
+  [[nodiscard]] Draws rangesOf(const SimulatedLine& circle, std::size_t number, std::uint64_t seed) const {
+    return circle.roundness()->simulated(generators([&](std::uint64_t d) {
+                                           return CounterRandom(seed, kRoundStream + kDraws * number +
+                                                                          first_draw_ + d);
+                                         }),
+                                         circle.shift_mm);
+  }
+
+ private:
+  using Generators = std::array<CounterRandom, kDrawsAtOnce>;
+  enum Stream : std::uint64_t { kOwnErrors, kPoseErrors, kCameraErrors, kNoise };
+
+  template <typename Make>
+  static Generators generators(const Make& make) {
+    return [&]<std::size_t... d>(std::index_sequence<d...>) {
+      return Generators{make(d)...};
+    }(std::make_index_sequence<kDrawsAtOnce>());
+  }
+  [[nodiscard]] Generators streams(std::uint64_t seed, Stream stream) const {
+    return generators([&](std::uint64_t d) {
+      return CounterRandom(seed, kStreams * (first_draw_ + d) + stream);
+    });
+  }
+  static Draws normalsOf(const Generators& random, std::uint64_t index) {
+    Draws values{};
+    for (std::size_t d = 0; d < values.size(); ++d) values[d] = random[d].normal(index);
+    return values;
+  }
+  /// Error of a column of ReadingLine::shared: the line's own, its unit's pose, tiles and camera.
+  [[nodiscard]] Draws errorOf(Eigen::Index column, std::size_t line) const {
+    const auto k = static_cast<std::uint64_t>(column);
+    if (column < ReadingLine::kLine)
+      return normalsOf(own_, static_cast<std::uint64_t>(ReadingLine::kLine) * line + k);
+    const auto unit = static_cast<std::uint64_t>(model_.lines[line].unit);
+    if (column < ReadingLine::kOwn) return normalsOf(pose_, 3 * unit + k - ReadingLine::kLine);
+    return camera_[static_cast<std::size_t>(column - ReadingLine::kOwn)];
+  }
+
+  const ErrorModel& model_;
+  std::uint64_t first_draw_;
+  Generators own_, pose_, noise_;
+  std::vector<Draws> camera_;
+};
 
 /// Simulates all draws; roundness goes to `round[line]` for circles.
 Tally simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::uint64_t seed,
@@ -186,19 +235,23 @@ Tally simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::
     tally.truth.sum_of_squares.push_back(sumOfSquares(lines[l].likely_mm, lines[l].rms));
     tally.seen.push_back(largestOf(lines[l].seen()));
   }
-  for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
-    const CounterRandom noise(seed, kStreams * draw + 3);
-    Tally::Numbers& numbers = tally.draws.emplace_back();
+  static_assert(kDraws % kDrawsAtOnce == 0);
+  tally.draws.resize(kDraws);
+  for (std::size_t draw = 0; draw < kDraws; draw += kDrawsAtOnce) {
+    const Batch batch(model, seed, draw);
     std::uint64_t first = 0;
     for (std::size_t l = 0; l < lines.size(); ++l) {
-      const Eigen::VectorXd shared = drawShared(model, l, seed, draw);
-      lines[l].measure(noise, first, shared);
+      batch.measure(lines[l], l, first);
       first += model.lines[l].size() + 1;
-      numbers.worst.push_back(largestOf(lines[l].simulated_mm));
-      numbers.sum_of_squares.push_back(sumOfSquares(lines[l].reading_mm, lines[l].rms));
+      const Draws worst = largestOf(lines[l].simulated_mm);
+      const Draws squares = sumOfSquares(lines[l].reading_mm, lines[l].rms);
+      for (std::size_t d = 0; d < kDrawsAtOnce; ++d) {
+        tally.draws[draw + d].worst.push_back(worst[d]);
+        tally.draws[draw + d].sum_of_squares.push_back(squares[d]);
+      }
       if (!lines[l].roundness()) continue;
-      const CounterRandom waves(seed, kRoundStream + kDraws * l + draw);
-      round[l].push_back(lines[l].roundness()->simulated(waves, model.lines[l].shared * shared));
+      const Draws ranges = batch.rangesOf(lines[l], l, seed);
+      round[l].insert(round[l].end(), ranges.begin(), ranges.end());
     }
   }
   return tally;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hil/vision/image/level_histogram.h"
-#include "hil/vision/image/multiversion.h"
+#include "twin/base/multiversion.h"
 #include "twin/base/image.h"
 
 namespace kerfbench::vision {

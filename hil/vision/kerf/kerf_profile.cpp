@@ -9,7 +9,7 @@
 
 #include <Eigen/LU>
 
-#include "hil/vision/image/multiversion.h"
+#include "twin/base/multiversion.h"
 #include "twin/base/image.h"
 
 namespace kerfbench::vision {

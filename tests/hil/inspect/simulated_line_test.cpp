@@ -2,8 +2,10 @@
 // Simulated measurements of a line, compared with the noise that its readings state.
 #include "hil/inspect/deviation/simulated_line.h"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,7 +15,7 @@ namespace {
 
 constexpr std::size_t kFewReadings = 10;
 constexpr std::size_t kSecondSegment = 4;  ///< First reading behind a gap.
-constexpr int kDraws = 4000;
+constexpr std::uint64_t kDraws = 4000;
 // Standard deviation of a variance, and of a correlation, of so many draws, times four.
 const double kFourSigmas_variance = 4.0 * std::sqrt(2.0 / kDraws);
 const double kFourSigmas_correlation = 4.0 / std::sqrt(kDraws);
@@ -31,15 +33,24 @@ ReadingLine lineWithAGap() {
   return line;
 }
 
+std::array<CounterRandom, kDrawsAtOnce> streamsFrom(std::uint64_t draw) {
+  std::array<CounterRandom, kDrawsAtOnce> streams{
+      CounterRandom(16, draw),     CounterRandom(16, draw + 1), CounterRandom(16, draw + 2),
+      CounterRandom(16, draw + 3), CounterRandom(16, draw + 4), CounterRandom(16, draw + 5),
+      CounterRandom(16, draw + 6), CounterRandom(16, draw + 7)};
+  return streams;
+}
+
 /// Errors of each simulated reading, in its stated standard deviation.
 std::vector<std::vector<double>> errorsOf(const ReadingLine& line) {
   SimulatedLine simulated(line, LineKind{});
   std::vector<std::vector<double>> errors(line.size());
-  const Eigen::VectorXd nothing_shared = Eigen::VectorXd::Zero(line.shared.cols());
-  for (int draw = 0; draw < kDraws; ++draw) {
-    simulated.measure(CounterRandom(16, static_cast<std::uint64_t>(draw)), 0, nothing_shared);
-    for (std::size_t i = 0; i < line.size(); ++i)
-      errors[i].push_back((simulated.reading_mm[i] - simulated.likely_mm[i]) / line.sigma_mm[i]);
+  for (std::uint64_t draw = 0; draw < kDraws; draw += kDrawsAtOnce) {
+    simulated.measure(streamsFrom(draw), 0, {});
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      for (const double reading_mm : simulated.reading_mm[i])
+        errors[i].push_back((reading_mm - simulated.likely_mm[i]) / line.sigma_mm[i]);
+    }
   }
   return errors;
 }
@@ -83,6 +94,47 @@ TEST(SimulatedLine, HoldsAllThatTheUnitAndItsTilesShareAndAShareOfTheNoise) {
     EXPECT_NEAR(simulated.errorShareAt(i) * (noise + kShared), simulated.noise_share * noise + kShared,
                 1e-12);
   }
+}
+
+TEST(SimulatedLine, EachDrawHasItsSharedErrorsAndIsSmoothedByItself) {
+  ReadingLine line = lineWithAGap();
+  for (std::size_t i = 0; i < kFewReadings; ++i) {
+    line.reading_mm[i] = 1e-3 * static_cast<double>(i);
+    line.sigma_mm[i] = 0.0;
+  }
+  line.shared.col(2).setLinSpaced(0.01, 0.02);
+  line.shared.col(ReadingLine::kLine)[1] = 0.04;
+  SimulatedLine simulated(line, LineKind{});
+  ASSERT_EQ(simulated.columns(), (std::vector<Eigen::Index>{2, ReadingLine::kLine}));
+  std::array<Draws, 2> errors{};
+  for (std::size_t d = 0; d < kDrawsAtOnce; ++d) errors[0][d] = 1.0 + static_cast<double>(d);
+  errors[1][3] = -2.0;
+  simulated.measure(streamsFrom(0), 0, errors);
+  const Draws worst = largestOf(simulated.simulated_mm);
+  const Draws squares = sumOfSquares(simulated.reading_mm, LineKind::Rms::kAboutMean);
+  for (std::size_t d = 0; d < kDrawsAtOnce; ++d) {
+    std::vector<double> alone(kFewReadings);
+    for (std::size_t i = 0; i < kFewReadings; ++i) {
+      alone[i] = simulated.likely_mm[i] +
+                 line.shared(static_cast<Eigen::Index>(i), 2) * (1.0 + static_cast<double>(d));
+      if (i == 1 && d == 3) alone[i] -= 2.0 * 0.04;
+      EXPECT_NEAR(simulated.reading_mm[i][d], alone[i], 1e-12);
+    }
+    std::vector<double> smooth;
+    simulated.smoother().apply(alone, simulated.level, smooth);
+    EXPECT_NEAR(worst[d], largestOf(smooth), 1e-12);
+    EXPECT_NEAR(squares[d], sumOfSquares(alone, LineKind::Rms::kAboutMean), 1e-12);
+  }
+}
+
+TEST(SimulatedLine, ADrawThatIsNoNumberIsToldAndLeavesTheOthers) {
+  std::vector<Draws> values(3);
+  values[0].fill(0.5);
+  values[1][4] = std::numeric_limits<double>::quiet_NaN();
+  values[2].fill(-0.25);
+  const Draws most = largestOf(values);
+  for (std::size_t d = 0; d < kDrawsAtOnce; ++d) EXPECT_EQ(std::isnan(most[d]), d == 4) << d;
+  EXPECT_EQ(most[0], 0.5);
 }
 
 TEST(SimulatedLine, WithoutAnyErrorItHoldsAllOfIt) {
