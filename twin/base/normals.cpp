@@ -36,8 +36,7 @@ inline double logOf(double u) {
   const double s = (x - 1.0) / (x + 1.0);
   const double q = s * s;
   const double series =
-      1.0 +
-      q * (1.0 / 3 + q * (1.0 / 5 + q * (1.0 / 7 + q * (1.0 / 9 + q * (1.0 / 11 + q * (1.0 / 13))))));
+      1.0 + q * (1.0 / 3 + q * (1.0 / 5 + q * (1.0 / 7 + q * (1.0 / 9 + q * (1.0 / 11 + q * (1.0 / 13))))));
   return 2.0 * s * series + (upper ? exponent + 1.0 : exponent) * std::numbers::ln2;
 }
 
@@ -51,10 +50,10 @@ KERFBENCH_WIDE void pairUp(const std::array<std::uint64_t, kPairs>& bits, std::a
     const double q = angle * angle;
     const double sine =
         angle *
-        (1.0 + q * (-1.0 / 6 +
-                    q * (1.0 / 120 +
-                         q * (-1.0 / 5040 +
-                              q * (1.0 / 362880 + q * (-1.0 / 39916800 + q * (1.0 / 6227020800.0)))))));
+        (1.0 +
+         q * (-1.0 / 6 +
+              q * (1.0 / 120 + q * (-1.0 / 5040 +
+                                    q * (1.0 / 362880 + q * (-1.0 / 39916800 + q * (1.0 / 6227020800.0)))))));
     const double cosine =
         1.0 + q * (-1.0 / 2 +
                    q * (1.0 / 24 + q * (-1.0 / 720 +

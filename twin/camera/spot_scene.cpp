@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "twin/camera/spot_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -8,7 +9,9 @@
 
 #include <Eigen/LU>
 
+#include "twin/base/multiversion.h"
 #include "twin/base/random.h"
+#include "twin/base/wide_math.h"
 #include "twin/camera/gaussian_blur.h"
 
 namespace kerfbench::twin {
@@ -17,8 +20,11 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kEdgeSigmas = 4.0;
-constexpr double kPrintPad_px = 10.0;
-constexpr double kSpotPad_px = 12.0;
+// Large areas of print bend with the lens. Grain is painted where something is drawn: around marks and spot
+// as far as anybody looks at the board there.
+constexpr double kAroundArea_px = 10.0;
+constexpr double kGrainAroundMark_px = 10.0;
+constexpr double kGrainAroundSpot_px = 12.0;
 constexpr double kFaintGray = 0.02;
 /// Most travel of the web for which one pose stands: a smear of 0.1 px has a variance of 0.0008 px², a
 /// hundredth of what the pixel's own area adds to the blur.
@@ -95,23 +101,63 @@ struct RingOfEdges {
   double outer_square;
 };
 
+/// Pixels of a row that the ring may reach, and those that surely lie within its inner circle: of the others
+/// nothing need be computed. The picture of a circle lies between two circles of pixels.
+class RowsOfRing {
+ public:
+  RowsOfRing(const RingOfEdges& ring, const Vector2d& middle_px, const Eigen::Matrix2d& px_per_mm)
+      : middle_px_(middle_px) {
+    // The singular values, and some room for a scale that changes over the mark.
+    constexpr double kScale = 0.05;
+    constexpr double kRoom_px = 1.5;
+    const double mean = 0.5 * px_per_mm.squaredNorm();
+    const double spread = std::sqrt(std::max(0.0, mean * mean - std::pow(px_per_mm.determinant(), 2)));
+    outer_px_ = (1.0 + kScale) * std::sqrt((mean + spread) * ring.outer_square) + kRoom_px;
+    if (ring.inner_square > 0.0)
+      inner_px_ = (1.0 - kScale) * std::sqrt((mean - spread) * ring.inner_square) - kRoom_px;
+  }
+  /// Columns [first, last) of row y that may have ink.
+  [[nodiscard]] std::pair<int, int> reached(int y, const PixelBox& box) const {
+    return within(outer_px_, y, box);
+  }
+  /// Columns [first, last) of row y that have nothing but ink; never more than those reached.
+  [[nodiscard]] std::pair<int, int> covered(int y, const PixelBox& box) const {
+    return within(inner_px_, y, box);
+  }
+
+ private:
+  [[nodiscard]] std::pair<int, int> within(double radius_px, int y, const PixelBox& box) const {
+    const double down = y - middle_px_.y();
+    const double square = radius_px * radius_px - down * down;
+    if (radius_px <= 0.0 || square <= 0.0) return {box.x1, box.x1};
+    const double half = std::sqrt(square);
+    const auto clip = [&](double x) {
+      return static_cast<int>(std::clamp(x, static_cast<double>(box.x0), static_cast<double>(box.x1)));
+    };
+    return {clip(std::ceil(middle_px_.x() - half)), clip(std::floor(middle_px_.x() + half) + 1.0)};
+  }
+
+  Vector2d middle_px_;
+  double outer_px_{};
+  double inner_px_{};
+};
+
 /// Points of the plane that the pixels of a row see, and their squared distances from a point. Loops of whole
 /// rows without a branch: the compiler takes several pixels at once.
 struct PointsOfRow {
   explicit PointsOfRow(std::size_t count) : x(count), y(count), square(count) {}
 
-  /// Pixel i of the row lies at ((first + i) / width, t) of the patch.
-  void place(const PlanePatch& patch, double t, int first, double width, const Vector2d& from) {
+  /// The first `count` pixels: pixel i of the row lies at ((first + i) / width, t) of the patch.
+  void place(const PlanePatch& patch, double t, int first, int count, double width, const Vector2d& from) {
     const Vector2d c0 = patch.alongRow(t, 0);
     const Vector2d c1 = patch.alongRow(t, 1);
     const Vector2d c2 = patch.alongRow(t, 2);
-    const auto count = static_cast<int>(x.size());
     for (int i = 0; i < count; ++i) {
       const double s = (first + i) / width;
       x[static_cast<std::size_t>(i)] = c0.x() + s * (c1.x() + s * c2.x());
       y[static_cast<std::size_t>(i)] = c0.y() + s * (c1.y() + s * c2.y());
     }
-    for (std::size_t i = 0; i < x.size(); ++i) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
       const double dx = x[i] - from.x();
       const double dy = y[i] - from.y();
       square[i] = dx * dx + dy * dy;
@@ -119,6 +165,22 @@ struct PointsOfRow {
   }
 
   std::vector<double> x, y, square;
+};
+
+/// A Gaussian along a row of pixels: gray * exp(-square / 2), and square of pixel i is first + i (slope + i
+/// curve).
+struct BellOfRow {
+  float first, slope, curve, gray;
+
+  KERFBENCH_WIDE void add(int count, float* line) const {
+    constexpr float kFar = 60.0F;
+    for (int i = 0; i < count; ++i) {
+      const auto x = static_cast<float>(i);
+      const float square = first + x * (slope + x * curve);
+      const float near = square < kFar ? square : kFar;
+      line[i] += near < kFar ? gray * wideExp(-0.5F * near) : 0.0F;
+    }
+  }
 };
 
 float* lineOf(std::vector<float>& light, const PixelBox& box, int y) {
@@ -220,13 +282,13 @@ std::vector<WebPose> SpotStage::webPoses(const Exposure& exposure) const {
   return poses;
 }
 
-std::optional<PixelBox> SpotStage::boxOnPlane(const Vector2d& p_W_mm, double reach_mm,
+std::optional<PixelBox> SpotStage::boxOnPlane(const Vector2d& p_W_mm, double reach_mm, double around_px,
                                               double* px_per_mm) const {
   const std::optional<Vector2d> centre_px = projection_.pixelOf(p_W_mm);
   if (!centre_px) return std::nullopt;
   const Eigen::Matrix2d J = projection_.jacobianAt(p_W_mm);
   *px_per_mm = std::sqrt(std::abs(J.determinant()));
-  const double pad_px = kEdgeSigmas * blur_px_ + kPrintPad_px;
+  const double pad_px = kEdgeSigmas * blur_px_ + around_px;
   const PixelBox box = boxAround(*centre_px, 1.05 * reach_mm * J.row(0).norm() + pad_px,
                                  1.05 * reach_mm * J.row(1).norm() + pad_px);
   return box.empty() ? std::nullopt : std::optional<PixelBox>(box);
@@ -245,7 +307,8 @@ void SpotStage::addMarks(SpotScene& scene, int unit) const {
       image.p_WM_mm.push_back(pose.place(p_SM_mm));
       reach_mm = std::max(reach_mm, image.radius_mm + (image.p_WM_mm.back() - p_WM_mm).norm());
     }
-    const std::optional<PixelBox> box = boxOnPlane(p_WM_mm, reach_mm, &image.px_per_mm);
+    const double around_px = grained() ? kGrainAroundMark_px : 1.0;
+    const std::optional<PixelBox> box = boxOnPlane(p_WM_mm, reach_mm, around_px, &image.px_per_mm);
     if (!box) continue;
     image.box = *box;
     scene.marks.push_back(std::move(image));
@@ -275,7 +338,7 @@ void SpotStage::addAreas(SpotScene& scene, int unit) const {
     const Eigen::AlignedBox2d seen = bounds_W.intersection(view_W_);
     if (seen.isEmpty() || !p_WA_mm.allFinite()) continue;
     const std::optional<PixelBox> box =
-        boxOnPlane(seen.center(), 0.5 * seen.diagonal().norm(), &image.px_per_mm);
+        boxOnPlane(seen.center(), 0.5 * seen.diagonal().norm(), kAroundArea_px, &image.px_per_mm);
     if (!box) continue;
     image.box = *box;
     scene.areas.push_back(std::move(image));
@@ -285,6 +348,7 @@ void SpotStage::addAreas(SpotScene& scene, int unit) const {
 std::vector<Blob> SpotStage::blobs(const Exposure& exposure, double gray_per_w, double cloud_sigma_mm,
                                    const Vector2d& offset_mm) const {
   std::vector<Blob> found;
+  const double pad_px = grained() ? kGrainAroundSpot_px : 0.0;
   const auto& samples = exposure.samples;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const ExposureSample& sample = samples[i];
@@ -301,8 +365,8 @@ std::vector<Blob> SpotStage::blobs(const Exposure& exposure, double gray_per_w, 
       const Eigen::Matrix2d J = projection_.jacobianAt(p_WQ_mm);
       const Eigen::Matrix2d covariance =
           sigma_mm * sigma_mm * J * J.transpose() + blur_px_ * blur_px_ * Eigen::Matrix2d::Identity();
-      const PixelBox box = boxAround(*centre_px, reach * std::sqrt(covariance(0, 0)) + kSpotPad_px,
-                                     reach * std::sqrt(covariance(1, 1)) + kSpotPad_px);
+      const PixelBox box = boxAround(*centre_px, reach * std::sqrt(covariance(0, 0)) + pad_px,
+                                     reach * std::sqrt(covariance(1, 1)) + pad_px);
       if (box.empty()) continue;
       found.push_back(
           {box, *centre_px, covariance.inverse(), gray / (static_cast<double>(samples.size()) * parts)});
@@ -350,31 +414,41 @@ void SpotStage::addMark(const MarkImage& mark, const PixelBox& box, std::vector<
   const double sigmas_per_mm = mark.px_per_mm / blur_px_;
   const double outside_mm = mark.radius_mm + kEdgeSigmas / sigmas_per_mm;
   const RingOfEdges ring(mark.p_WM_mm, mark.radius_mm, kEdgeSigmas / sigmas_per_mm);
+  const std::optional<Vector2d> middle_px = projection_.pixelOf(ring.middle_mm);
   const PixelBox drawn = own.within(box);
-  if (drawn.empty()) return;
+  if (!middle_px || drawn.empty()) return;
+  const RowsOfRing rows(ring, *middle_px, projection_.jacobianAt(ring.middle_mm));
+  const float all_ink = darkening * static_cast<float>(mark.p_WM_mm.size());
   const double width = own.x1 - own.x0;
   PointsOfRow points(drawn.width());
   for (int y = drawn.y0; y < drawn.y1; ++y) {
-    points.place(patch, (y - own.y0) / static_cast<double>(own.y1 - own.y0), drawn.x0 - own.x0, width,
-                 ring.middle_mm);
     float* const line = lineOf(light, box, y);
-    for (std::size_t i = 0; i < drawn.width(); ++i) {
-      const double square_from_middle = points.square[i];
-      if (square_from_middle >= ring.outer_square) continue;
-      float& pixel = line[drawn.x0 + static_cast<int>(i)];
-      if (square_from_middle <= ring.inner_square) {
-        pixel += darkening * static_cast<float>(mark.p_WM_mm.size());
-        continue;
+    const auto addSpan = [&](int x0, int x1) {
+      if (x0 >= x1) return;
+      points.place(patch, (y - own.y0) / static_cast<double>(own.y1 - own.y0), x0 - own.x0, x1 - x0, width,
+                   ring.middle_mm);
+      for (int x = x0; x < x1; ++x) {
+        const auto i = static_cast<std::size_t>(x - x0);
+        if (points.square[i] >= ring.outer_square) continue;
+        if (points.square[i] <= ring.inner_square) {
+          line[x] += all_ink;
+          continue;
+        }
+        const Vector2d p_WP_mm(points.x[i], points.y[i]);
+        float covered = 0.0F;
+        for (const Vector2d& p_WM_mm : mark.p_WM_mm) {
+          const double square = (p_WP_mm - p_WM_mm).squaredNorm();
+          if (square > outside_mm * outside_mm) continue;
+          covered += edge_.at((std::sqrt(square) - mark.radius_mm) * sigmas_per_mm);
+        }
+        line[x] += darkening * covered;
       }
-      const Vector2d p_WP_mm(points.x[i], points.y[i]);
-      float covered = 0.0F;
-      for (const Vector2d& p_WM_mm : mark.p_WM_mm) {
-        const double square = (p_WP_mm - p_WM_mm).squaredNorm();
-        if (square > outside_mm * outside_mm) continue;
-        covered += edge_.at((std::sqrt(square) - mark.radius_mm) * sigmas_per_mm);
-      }
-      pixel += darkening * covered;
-    }
+    };
+    const auto [x0, x1] = rows.reached(y, drawn);
+    const auto [ink0, ink1] = rows.covered(y, {x0, drawn.y0, x1, drawn.y1});
+    addSpan(x0, ink0);
+    for (int x = ink0; x < ink1; ++x) line[x] += all_ink;
+    addSpan(ink1, x1);
   }
 }
 
@@ -412,14 +486,16 @@ void SpotStage::addBlobs(const std::vector<Blob>& blobs, const PixelBox& box, st
     const double xy = blob.inverse_covariance(0, 1);
     const double yy = blob.inverse_covariance(1, 1);
     const PixelBox drawn = blob.box.within(box);
+    const double dx = drawn.x0 - blob.centre_px.x();
     for (int y = drawn.y0; y < drawn.y1; ++y) {
-      float* const line = lineOf(light, box, y);
       const double dy = y - blob.centre_px.y();
-      for (int x = drawn.x0; x < drawn.x1; ++x) {
-        const double dx = x - blob.centre_px.x();
-        const double square = dx * dx * xx + 2.0 * dx * dy * xy + dy * dy * yy;
-        if (square < 60.0) line[x] += static_cast<float>(blob.gray * std::exp(-0.5 * square));
-      }
+      const BellOfRow bell{
+          static_cast<float>(dx * dx * xx + 2.0 * dx * dy * xy + dy * dy * yy),
+          static_cast<float>(2.0 * (dx * xx + dy * xy)),
+          static_cast<float>(xx),
+          static_cast<float>(blob.gray),
+      };
+      bell.add(drawn.x1 - drawn.x0, lineOf(light, box, y) + drawn.x0);
     }
   }
 }

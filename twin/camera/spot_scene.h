@@ -119,8 +119,10 @@ class SpotStage {
   };
 
   [[nodiscard]] PixelBox boxAround(const Eigen::Vector2d& centre_px, double half_x, double half_y) const;
+  /// Box around print of this reach and its blurred edge, and so many pixels more.
   [[nodiscard]] std::optional<PixelBox> boxOnPlane(const Eigen::Vector2d& p_W_mm, double reach_mm,
-                                                   double* px_per_mm) const;
+                                                   double around_px, double* px_per_mm) const;
+  [[nodiscard]] bool grained() const { return camera_.texture.grain_gray > 0.0; }
   [[nodiscard]] std::vector<WebPose> webPoses(const Exposure& exposure) const;
   void addMarks(SpotScene& scene, int unit) const;
   void addAreas(SpotScene& scene, int unit) const;

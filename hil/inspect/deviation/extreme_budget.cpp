@@ -2,6 +2,7 @@
 #include "hil/inspect/deviation/extreme_budget.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -17,33 +18,44 @@ namespace kerfbench::inspect {
 namespace {
 
 constexpr double kFar = 6.5;        // Sigmas: no value comes so far.
-constexpr int kSteps = 8;           // Steps of the integral over t.
+constexpr std::size_t kSteps = 8;   // Steps of the integral over the angle.
 constexpr int kGrid = 160;          // Points of the distribution.
 constexpr int kNodes = 7;           // Nodes each way of the integral over shared errors,
 constexpr double kNodePitch = 0.5;  // so many standard deviations apart: what kinks is right to 2 %.
 
 double normalCdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
+/// P(Z1 <= a, Z2 > b) of normal values of correlation cos(angle).
+class Crossing {
+ public:
+  explicit Crossing(double angle) : weight_(angle / kSteps / (2.0 * std::numbers::pi)) {
+    for (std::size_t k = 0; k < kSteps; ++k) {
+      const double t = angle * (static_cast<double>(k) + 0.5) / kSteps;
+      cosine_[k] = std::cos(t);
+      per_square_[k] = 0.5 / (std::sin(t) * std::sin(t));
+    }
+  }
+  [[nodiscard]] double chance(double a, double b) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < kSteps; ++k)
+      sum += std::exp(-(a * a + b * b - 2.0 * a * b * cosine_[k]) * per_square_[k]);
+    return normalCdf(a) - normalCdf(std::min(a, b)) + sum * weight_;
+  }
+
+ private:
+  double weight_;
+  std::array<double, kSteps> cosine_{}, per_square_{};
+};
+
 /// One side of one point: the noise must reach `distance` to lift it above w.
 struct Side {
   double height;  ///< Height of the estimate, counted positive towards this side.
   double sigma;
-  double angle;  ///< acos of the correlation with the point before.
-  bool first;    ///< The first of a run of points that matter.
+  bool first;  ///< The first of a run of points that matter.
+  Crossing with_before;
   const ExtremePoint* point;
   double height_before, sigma_before;  ///< Height and noise of the point before.
 };
-
-/// P(Z1 <= a, Z2 > b) of normal values of correlation cos(angle).
-double crossing(double a, double b, double angle) {
-  double sum = 0.0;
-  for (int k = 0; k < kSteps; ++k) {
-    const double t = angle * (k + 0.5) / kSteps;
-    const double s = std::sin(t);
-    sum += std::exp(-(a * a + b * b - 2.0 * a * b * std::cos(t)) / (2.0 * s * s));
-  }
-  return normalCdf(a) - normalCdf(std::min(a, b)) + sum * angle / kSteps / (2.0 * std::numbers::pi);
-}
 
 /// -log of the chance that this point stays below w, given that the one before does.
 double hazard(const Side& s, double w) {
@@ -51,7 +63,7 @@ double hazard(const Side& s, double w) {
   if (z > kFar) return 0.0;
   if (s.first) return -std::log(std::max(normalCdf(z), 1e-12));
   const double before = (w - s.height_before) / s.sigma_before;
-  const double share = crossing(before, z, s.angle) / std::max(normalCdf(before), 1e-12);
+  const double share = s.with_before.chance(before, z) / std::max(normalCdf(before), 1e-12);
   return -std::log1p(-std::clamp(share, 0.0, 1.0 - 1e-9));
 }
 
@@ -69,15 +81,20 @@ std::vector<Side> sidesOf(const std::vector<ExtremePoint>& points, double sign, 
     const double height_before = before != nullptr ? before->height : 0.0;
     const double sigma_before = before != nullptr ? before->sigma : 1.0;
     const double angle = std::acos(std::clamp(p.correlation, 0.0, 1.0));
-    sides.push_back({height, p.sigma, angle, first, &p, height_before, sigma_before});
+    sides.push_back({height, p.sigma, first, Crossing(angle), &p, height_before, sigma_before});
     broken = false;
   }
   return sides;
 }
 
+/// Of all points, or some sum beyond which no chance is left.
 double totalHazard(const std::vector<Side>& sides, double w) {
+  constexpr double kCertain = 60.0;
   double sum = 0.0;
-  for (const Side& s : sides) sum += hazard(s, w);
+  for (const Side& s : sides) {
+    sum += hazard(s, w);
+    if (sum > kCertain) break;
+  }
   return sum;
 }
 

@@ -159,9 +159,8 @@ double Roundness::unfittedSigma() const {
 
 double Roundness::seamSigma() const { return kBeyondSeam / std::sqrt(3.0) * std::abs(step_mm_); }
 
-LineSmoother::Draws Roundness::simulated(
-    std::span<const CounterRandom, LineSmoother::kDrawsAtOnce> random,
-    std::span<const LineSmoother::Draws> shift_mm) const {
+LineSmoother::Draws Roundness::simulated(std::span<const CounterRandom, LineSmoother::kDrawsAtOnce> random,
+                                         std::span<const LineSmoother::Draws> shift_mm) const {
   using Sample = Eigen::Matrix<double, Eigen::Dynamic, LineSmoother::kDrawsAtOnce, Eigen::RowMajor>;
   const Eigen::Map<const Sample> shift(shift_mm[skipped_].data(), basis_.rows(), Sample::ColsAtCompileTime);
   Sample coefficient = basis_.transpose() * shift;

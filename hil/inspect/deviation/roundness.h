@@ -35,8 +35,9 @@ class Roundness {
   [[nodiscard]] double likely() const { return likely_mm_; }
   /// Ranges of the likely truth, measured with noise from `random` and these shared errors of its readings,
   /// one for each draw.
-  [[nodiscard]] LineSmoother::Draws simulated(std::span<const CounterRandom, LineSmoother::kDrawsAtOnce> random,
-                                              std::span<const LineSmoother::Draws> shift_mm) const;
+  [[nodiscard]] LineSmoother::Draws simulated(
+      std::span<const CounterRandom, LineSmoother::kDrawsAtOnce> random,
+      std::span<const LineSmoother::Draws> shift_mm) const;
   /// Standard uncertainty by waves that are too weak to be fitted: each of the two extremes may miss the
   /// amplitude at which one just would have been, either way (rectangular).
   [[nodiscard]] double unfittedSigma() const;

@@ -53,14 +53,14 @@ class SimulatedLine {
   [[nodiscard]] double errorShareAt(std::size_t reading) const;
 
   LineKind::Rms rms{};
-  std::vector<double> estimate_mm;   ///< Smoothed readings.
-  std::vector<std::uint8_t> level;   ///< With which windows.
-  std::vector<double> likely_mm;     ///< The likely truth.
-  double noise_share{};              ///< Share of the estimates' noise variance that likely_mm still holds.
-  double error_squares{};            ///< Expected sum of squares of the readings' errors.
-  std::vector<Draws> reading_mm;     ///< Readings of the last measure().
-  std::vector<Draws> shift_mm;       ///< What the shared errors made of them.
-  std::vector<Draws> simulated_mm;   ///< Readings of the last measure(), smoothed.
+  std::vector<double> estimate_mm;  ///< Smoothed readings.
+  std::vector<std::uint8_t> level;  ///< With which windows.
+  std::vector<double> likely_mm;    ///< The likely truth.
+  double noise_share{};             ///< Share of the estimates' noise variance that likely_mm still holds.
+  double error_squares{};           ///< Expected sum of squares of the readings' errors.
+  std::vector<Draws> reading_mm;    ///< Readings of the last measure().
+  std::vector<Draws> shift_mm;      ///< What the shared errors made of them.
+  std::vector<Draws> simulated_mm;  ///< Readings of the last measure(), smoothed.
 
  private:
   [[nodiscard]] std::vector<double> likelyTruth();

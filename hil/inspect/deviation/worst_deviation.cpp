@@ -182,8 +182,8 @@ class Batch {
 
   [[nodiscard]] Draws rangesOf(const SimulatedLine& circle, std::size_t number, std::uint64_t seed) const {
     return circle.roundness()->simulated(generators([&](std::uint64_t d) {
-                                           return CounterRandom(seed, kRoundStream + kDraws * number +
-                                                                          first_draw_ + d);
+                                           return CounterRandom(
+                                               seed, kRoundStream + kDraws * number + first_draw_ + d);
                                          }),
                                          circle.shift_mm);
   }
@@ -194,14 +194,12 @@ class Batch {
 
   template <typename Make>
   static Generators generators(const Make& make) {
-    return [&]<std::size_t... d>(std::index_sequence<d...>) {
-      return Generators{make(d)...};
-    }(std::make_index_sequence<kDrawsAtOnce>());
+    return [&]<std::size_t... d>(std::index_sequence<d...>) { return Generators{make(d)...}; }
+    (std::make_index_sequence<kDrawsAtOnce>());
   }
   [[nodiscard]] Generators streams(std::uint64_t seed, Stream stream) const {
-    return generators([&](std::uint64_t d) {
-      return CounterRandom(seed, kStreams * (first_draw_ + d) + stream);
-    });
+    return generators(
+        [&](std::uint64_t d) { return CounterRandom(seed, kStreams * (first_draw_ + d) + stream); });
   }
   static Draws normalsOf(const Generators& random, std::uint64_t index) {
     Draws values{};

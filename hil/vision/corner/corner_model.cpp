@@ -2,10 +2,13 @@
 #include "hil/vision/corner/corner_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "hil/vision/kerf/light_law.h"
+#include "twin/base/multiversion.h"
+#include "twin/base/wide_math.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -32,19 +35,31 @@ struct LegLight {
         slope(static_cast<float>(leg.slope)),
         half_curvature(static_cast<float>(leg.curvature_per_mm / 2.0)),
         sixth_twist(static_cast<float>(leg.twist_per_mm2 / 6.0)) {}
-
-  [[nodiscard]] float shareAt(float along_mm, float beside_mm) const {
-    const float beyond = (end_mm - along_mm) * per_radius;
-    if (beyond > kFarRadii) return 0.0F;
-    const float bent_mm = std::max(0.0F, along_mm);
-    const float line_mm =
-        offset_mm + slope * along_mm + bent_mm * bent_mm * (half_curvature + sixth_twist * bent_mm);
-    const float n = (beside_mm - line_mm) * cosine * per_radius;
-    if (std::abs(n) > kFarRadii) return 0.0F;
-    const float across = peak * std::exp(-2.0F * n * n);
-    return beyond < -kFarRadii ? across : across * 0.5F * std::erfc(kSqrt2 * beyond);
-  }
 };
+
+/// Adds a leg's light at many places.
+KERFBENCH_WIDE void addLeg(const LegLight& leg, const std::vector<float>& along_mm,
+                           const std::vector<float>& beside_mm, std::vector<float>& share) {
+  const float* const along = along_mm.data();
+  const float* const beside = beside_mm.data();
+  float* const sum = share.data();
+  const std::size_t count = share.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const float beyond = (leg.end_mm - along[i]) * leg.per_radius;
+    const float bent_mm = along[i] > 0.0F ? along[i] : 0.0F;
+    const float line_mm = leg.offset_mm + leg.slope * along[i] +
+                          bent_mm * bent_mm * (leg.half_curvature + leg.sixth_twist * bent_mm);
+    const float off = (beside[i] - line_mm) * leg.cosine * leg.per_radius;
+    // Not a number falls to the bound as well.
+    const float n2 = off * off < kFarRadii * kFarRadii ? off * off : kFarRadii * kFarRadii;
+    const float near = beyond > -kFarRadii ? beyond : -kFarRadii;
+    const float end = near < kFarRadii ? near : kFarRadii;
+    const float across = leg.peak * wideExp(-2.0F * n2);
+    const float light = end > -kFarRadii ? across * 0.5F * wideErfc(kSqrt2 * end) : across;
+    const bool seen = n2 < kFarRadii * kFarRadii && end < kFarRadii;
+    sum[i] += seen ? light : 0.0F;
+  }
+}
 
 struct Piece {
   Eigen::Vector2f p_mm;
@@ -61,6 +76,42 @@ std::vector<Piece> piecesOf(const CornerPath& path, const CornerLight& light) {
     pieces.push_back({path.arc[i].cast<float>(), static_cast<float>(per_mm * length_mm)});
   }
   return pieces;
+}
+
+KERFBENCH_WIDE void addPiece(const Piece& piece, float per_radius2, const std::vector<float>& x_mm,
+                             const std::vector<float>& y_mm, std::vector<float>& share) {
+  constexpr float kFar = 2.0F * kFarRadii * kFarRadii;
+  const float* const x = x_mm.data();
+  const float* const y = y_mm.data();
+  float* const sum = share.data();
+  const std::size_t count = share.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const float dx = x[i] - piece.p_mm.x();
+    const float dy = y[i] - piece.p_mm.y();
+    const float d2 = (dx * dx + dy * dy) * per_radius2;
+    const float near = d2 < kFar ? d2 : kFar;
+    sum[i] += near < kFar ? piece.share * wideExp(-near) : 0.0F;
+  }
+}
+
+/// to[c] = sum over k of kernel[k] * from[c + k * step], for the columns [first, last).
+KERFBENCH_WIDE void blurRow(const std::vector<float>& kernel, const float* from, std::ptrdiff_t step,
+                            int first, int last, float* to) {
+  constexpr int kAtOnce = 16;  // Sums that stay in registers.
+  int c = first;
+  for (; c + kAtOnce <= last; c += kAtOnce) {
+    std::array<float, kAtOnce> sum{};
+    for (std::size_t k = 0; k < kernel.size(); ++k) {
+      const float* const moved = from + static_cast<std::ptrdiff_t>(k) * step + c;
+      for (std::size_t j = 0; j < kAtOnce; ++j) sum[j] += kernel[k] * moved[j];
+    }
+    std::copy(sum.begin(), sum.end(), to + c);
+  }
+  for (; c < last; ++c) {
+    to[c] = 0.0F;
+    for (std::size_t k = 0; k < kernel.size(); ++k)
+      to[c] += kernel[k] * from[static_cast<std::ptrdiff_t>(k) * step + c];
+  }
 }
 
 std::vector<float> kernelOf(double blur_px) {
@@ -110,10 +161,15 @@ CornerModel::CornerModel(const PixelGrid& grid, const std::vector<bool>& counts,
     const Vector2d p_mm = grid.at(placeOf(i % columns), placeOf(i / columns));
     const CornerLeg::Place in = legs.in.placeOf(p_mm);
     const CornerLeg::Place out = legs.out.placeOf(p_mm);
-    samples_.push_back({i, p_mm.cast<float>(), static_cast<float>(in.along_mm),
-                        static_cast<float>(in.beside_mm), static_cast<float>(out.along_mm),
-                        static_cast<float>(out.beside_mm)});
+    samples_.index.push_back(i);
+    samples_.x_mm.push_back(static_cast<float>(p_mm.x()));
+    samples_.y_mm.push_back(static_cast<float>(p_mm.y()));
+    samples_.in_along_mm.push_back(static_cast<float>(in.along_mm));
+    samples_.in_beside_mm.push_back(static_cast<float>(in.beside_mm));
+    samples_.out_along_mm.push_back(static_cast<float>(out.along_mm));
+    samples_.out_beside_mm.push_back(static_cast<float>(out.beside_mm));
   }
+  samples_.share.resize(samples_.index.size());
 }
 
 void CornerModel::render(CornerShape shape, const CornerLight& light, std::vector<float>& gray) {
@@ -127,14 +183,13 @@ void CornerModel::render(CornerShape shape, const CornerLight& light, std::vecto
   const auto board = static_cast<float>(light.board_gray);
   const auto open = static_cast<float>(light.open_gray);
   const FastLaw law(light.board_gray / light.open_gray, light.growth);
-  for (const Sample& sample : samples_) {
-    float share = in.shareAt(sample.in_along_mm, sample.in_beside_mm) +
-                  out.shareAt(sample.out_along_mm, sample.out_beside_mm);
-    for (const Piece& piece : arc) {
-      const float d2 = (sample.p_mm - piece.p_mm).squaredNorm() * per_radius2;
-      if (d2 < 2.0F * kFarRadii * kFarRadii) share += piece.share * std::exp(-d2);
-    }
-    sharp_[sample.index] = share > 0.0F ? open * law.lightAt(share) : board;
+  std::fill(samples_.share.begin(), samples_.share.end(), 0.0F);
+  addLeg(in, samples_.in_along_mm, samples_.in_beside_mm, samples_.share);
+  addLeg(out, samples_.out_along_mm, samples_.out_beside_mm, samples_.share);
+  for (const Piece& piece : arc) addPiece(piece, per_radius2, samples_.x_mm, samples_.y_mm, samples_.share);
+  for (std::size_t i = 0; i < samples_.index.size(); ++i) {
+    const float share = samples_.share[i];
+    sharp_[samples_.index[i]] = share > 0.0F ? open * law.lightAt(share) : board;
   }
   blur(light.blur_px);
   gray.resize(static_cast<std::size_t>(pixel_columns_) * static_cast<std::size_t>(pixel_rows_));
@@ -160,24 +215,10 @@ void CornerModel::blur(double blur_px) {
     return image.data() + static_cast<std::ptrdiff_t>(row) * columns_;
   };
   const int first = kMarginSamples;
-  for (int r = 0; r < rows_; ++r) {
-    const float* from = lineOf(sharp_, r);
-    float* to = lineOf(across_, r);
-    std::fill(to, to + columns_, 0.0F);
-    for (int k = -reach; k <= reach; ++k) {
-      const float weight = kernel[static_cast<std::size_t>(k + reach)];
-      for (int c = first; c < columns_ - first; ++c) to[c] += weight * from[c + k];
-    }
-  }
-  for (int r = first; r < rows_ - first; ++r) {
-    float* to = lineOf(sharp_, r);
-    std::fill(to, to + columns_, 0.0F);
-    for (int k = -reach; k <= reach; ++k) {
-      const float weight = kernel[static_cast<std::size_t>(k + reach)];
-      const float* from = lineOf(across_, r + k);
-      for (int c = first; c < columns_ - first; ++c) to[c] += weight * from[c];
-    }
-  }
+  for (int r = 0; r < rows_; ++r)
+    blurRow(kernel, lineOf(sharp_, r) - reach, 1, first, columns_ - first, lineOf(across_, r));
+  for (int r = first; r < rows_ - first; ++r)
+    blurRow(kernel, lineOf(across_, r - reach), columns_, first, columns_ - first, lineOf(sharp_, r));
 }
 
 }  // namespace kerfbench::vision

@@ -55,17 +55,16 @@ class CornerModel {
   void render(CornerShape shape, const CornerLight& light, std::vector<float>& gray);
 
  private:
-  /// A place that light is asked for.
-  struct Sample {
-    std::size_t index;  ///< Index into sharp_.
-    Eigen::Vector2f p_mm;
-    float in_along_mm, in_beside_mm, out_along_mm, out_beside_mm;
+  /// The places that light is asked for, and what shines there.
+  struct Samples {
+    std::vector<std::size_t> index;  ///< Index into sharp_.
+    std::vector<float> x_mm, y_mm, in_along_mm, in_beside_mm, out_along_mm, out_beside_mm, share;
   };
   void blur(double blur_px);
 
   int columns_, rows_;  ///< Columns and rows of samples.
   int pixel_columns_, pixel_rows_;
-  std::vector<Sample> samples_;
+  Samples samples_;
   std::vector<float> sharp_, across_;
 };
 

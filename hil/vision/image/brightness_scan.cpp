@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "hil/vision/image/level_histogram.h"
-#include "twin/base/multiversion.h"
 #include "twin/base/image.h"
+#include "twin/base/multiversion.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::vision {

@@ -62,6 +62,8 @@ double scaleDepth(const CameraCalibration& c, const Eigen::Vector3d& p_C_mm) {
 
 }  // namespace
 
+double LocalPixelMap::pxPerMm() const { return std::sqrt(std::abs(pixel_per_mm.determinant())); }
+
 Eigen::Vector2d CameraCalibration::planeFromPixel(const Eigen::Vector2d& pixel) const {
   Eigen::Vector2d p_mm;
   planeFromPixels({&pixel, 1}, {&p_mm, 1});
@@ -154,7 +156,7 @@ CameraCalibration CameraCalibration::lowered(double depth_mm) const {
 
 double CameraCalibration::pitchMm() const {
   const Eigen::Vector2d centre(0.5 * (width_px - 1), 0.5 * (height_px - 1));
-  return 1.0 / std::sqrt(std::abs(localMap(planeFromPixel(centre)).pixel_per_mm.determinant()));
+  return 1.0 / localMap(planeFromPixel(centre)).pxPerMm();
 }
 
 }  // namespace kerfbench::vision

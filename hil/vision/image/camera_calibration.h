@@ -16,6 +16,9 @@ namespace kerfbench::vision {
 struct LocalPixelMap {
   Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
   Eigen::Matrix2d pixel_per_mm{Eigen::Matrix2d::Identity()};
+
+  /// Side of a square of 1 mm² in the picture, px.
+  [[nodiscard]] double pxPerMm() const;
 };
 
 /// A calibrated camera above a plane (OpenCV's model and order of distortion coefficients). Frame P is the

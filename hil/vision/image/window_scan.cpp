@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "hil/vision/image/level_histogram.h"
-#include "twin/base/multiversion.h"
 #include "twin/base/image.h"
+#include "twin/base/multiversion.h"
 
 namespace kerfbench::vision {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <Eigen/LU>
 
-#include "twin/base/multiversion.h"
 #include "twin/base/image.h"
+#include "twin/base/multiversion.h"
 
 namespace kerfbench::vision {
 namespace {

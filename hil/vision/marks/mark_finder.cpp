@@ -40,67 +40,125 @@ Eigen::Vector2d centreFromCentroid(const CameraCalibration& calibration, const E
   return p_mm;
 }
 
+bool enoughContrast(const MarkLevels& l) { return l.contrast() > std::max(8.0, 0.35 * l.board); }
+
+/// Where a disc may be, and from which levels on it is looked at.
+struct Start {
+  Eigen::Vector2d centre;
+  MarkLevels levels;
+  bool known;  ///< By the picture before, so that the first look may be the only one.
+};
+
+/// One disc in one picture.
+class DiscSearch {
+ public:
+  DiscSearch(const GrayImage& image, const LocalPixelMap& map, double radius_mm, double search_mm)
+      : image_(image),
+        place_(map.pixel),
+        mm_per_pixel_(map.pixel_per_mm.inverse()),
+        radius_mm_(radius_mm),
+        radius_px_(radius_mm * map.pxPerMm()),
+        search_px_(search_mm * map.pxPerMm()) {}
+
+  /// Centroid of what is dark about the place.
+  [[nodiscard]] std::optional<Start> search() const {
+    const std::optional<PixelBox> wide = boxAround(image_, place_, kOuterRim * radius_px_ + search_px_ + 2.0);
+    if (!wide) return std::nullopt;
+    const double area = static_cast<double>(wide->right - wide->left + 1) * (wide->bottom - wide->top + 1);
+    Start start{place_, roughLevels(image_, *wide, std::min(0.5, kPi * radius_px_ * radius_px_ / area)),
+                false};
+    if (!enoughContrast(start.levels)) return std::nullopt;
+    const double middle_gray = 0.5 * (start.levels.board + start.levels.ink);
+    double within = radius_px_ + search_px_ + 2.0;
+    for (int round = 0; round < 2; ++round) {
+      const std::optional<Eigen::Vector2d> dark =
+          darkCentroid(image_, *wide, start.centre, within, middle_gray);
+      if (!dark) return std::nullopt;
+      start.centre = *dark;
+      within = 1.35 * radius_px_;
+    }
+    return start;
+  }
+
+  /// Looks again and again, each time from where the disc was found to be.
+  [[nodiscard]] std::optional<MarkLook> lookFrom(const Start& start) const {
+    // The edge's pixels are weighed by where they lie to the circle: a circle that is off by so little weighs
+    // all of them, and levels that are off by so little weigh both sides of it alike.
+    constexpr double kNearPx = 0.02;
+    constexpr double kSettledPx = 5e-3;
+    constexpr int kMostRounds = 8;
+    const double edge_half_px = std::clamp(0.06 * radius_px_, 2.5, 0.2 * radius_px_ + 2.0);
+    Eigen::Vector2d centre = start.centre;
+    MarkLevels levels = start.levels;
+    MarkLook look{};
+    for (int round = 0; round < kMostRounds; ++round) {
+      if (!hasRoomAround(centre)) return std::nullopt;
+      const std::optional<PixelBox> box = boxAround(image_, centre, kOuterRim * radius_px_ + 1.0);
+      if (!box) return std::nullopt;
+      const bool first = round == 0;
+      look = lookAtMark(image_, *box, {centre, mm_per_pixel_, radius_mm_, edge_half_px}, levels,
+                        !first || start.known);
+      if (look.stained_share > 0.02 || look.darkened_share > 0.06) return std::nullopt;
+      if (!enoughContrast(look.levels)) return std::nullopt;
+      const double step_px = (look.centroid - centre).norm();
+      if (first && start.known && !isAsKnown(look, levels, step_px)) return std::nullopt;
+      centre = look.centroid;
+      levels = look.levels;
+      if (first ? start.known && step_px < kNearPx : step_px < kSettledPx) break;
+    }
+    const double area_ratio = look.area_px / (kPi * radius_px_ * radius_px_);
+    if (std::abs(area_ratio - 1.0) > 0.15) return std::nullopt;
+    if (look.worst_sector_px > std::max(0.25, 0.02 * radius_px_)) return std::nullopt;
+    return look;
+  }
+
+ private:
+  /// Where the levels are others than what they were, the look has taken board for something else.
+  static bool isAsKnown(const MarkLook& look, const MarkLevels& known, double step_px) {
+    constexpr double kNearLevels = 0.03;
+    constexpr double kMostPx = 1.0;
+    constexpr double kLeastBoard = 0.9;
+    const double changed =
+        std::max(std::abs(look.levels.board - known.board), std::abs(look.levels.ink - known.ink));
+    return step_px < kMostPx && look.board_share > kLeastBoard && changed < kNearLevels * known.contrast();
+  }
+
+  [[nodiscard]] bool hasRoomAround(const Eigen::Vector2d& centre) const {
+    const double border = markBorderPx(radius_px_) - 2.0;
+    return centre.x() >= image_.left + border && centre.y() >= image_.top + border &&
+           centre.x() <= image_.right() - border && centre.y() <= image_.bottom() - border;
+  }
+
+  const GrayImage& image_;
+  Eigen::Vector2d place_;
+  Eigen::Matrix2d mm_per_pixel_;
+  double radius_mm_, radius_px_, search_px_;
+};
+
 }  // namespace
 
 double markBorderPx(double radius_px) { return kOuterRim * radius_px + 3.0; }
 
 std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibration& calibration,
-                                     const Eigen::Vector2d& near_mm, double diameter_mm, double search_mm) {
+                                     const Eigen::Vector2d& near_mm, double diameter_mm, double search_mm,
+                                     const std::optional<MarkLevels>& known) {
   const LocalPixelMap map = calibration.localMap(near_mm);
-  const Eigen::Matrix2d mm_per_pixel = map.pixel_per_mm.inverse();
-  const double px_per_mm = std::sqrt(std::abs(map.pixel_per_mm.determinant()));
   const double radius_mm = 0.5 * diameter_mm;
-  const double radius_px = radius_mm * px_per_mm;
-  const double search_px = search_mm * px_per_mm;
-  const double half_px = kOuterRim * radius_px + search_px + 2.0;
-  const std::optional<PixelBox> wide = boxAround(image, map.pixel, half_px);
-  if (!wide) return std::nullopt;
-  const double box_area = static_cast<double>(wide->right - wide->left + 1) * (wide->bottom - wide->top + 1);
-  MarkLevels levels = roughLevels(image, *wide, std::min(0.5, kPi * radius_px * radius_px / box_area));
-  const auto enough_contrast = [](const MarkLevels& l) {
-    return l.board - l.ink > std::max(8.0, 0.35 * l.board);
-  };
-  if (!enough_contrast(levels)) return std::nullopt;
-
-  Eigen::Vector2d centre = map.pixel;
-  const double middle_gray = 0.5 * (levels.board + levels.ink);
-  double within = radius_px + search_px + 2.0;
-  for (int round = 0; round < 2; ++round) {
-    const std::optional<Eigen::Vector2d> dark = darkCentroid(image, *wide, centre, within, middle_gray);
-    if (!dark) return std::nullopt;
-    centre = *dark;
-    within = 1.35 * radius_px;
+  const DiscSearch disc(image, map, radius_mm, search_mm);
+  std::optional<MarkLook> look;
+  if (known) look = disc.lookFrom({map.pixel, *known, true});
+  if (!look) {
+    const std::optional<Start> start = disc.search();
+    if (start) look = disc.lookFrom(*start);
   }
-
-  const double edge_half_px = std::clamp(0.06 * radius_px, 2.5, 0.2 * radius_px + 2.0);
-  MarkLook look{};
-  constexpr int kMostRounds = 8;
-  for (int round = 0; round < kMostRounds; ++round) {
-    const double border = markBorderPx(radius_px) - 2.0;
-    if (centre.x() < image.left + border || centre.y() < image.top + border ||
-        centre.x() > image.right() - border || centre.y() > image.bottom() - border) {
-      return std::nullopt;
-    }
-    const std::optional<PixelBox> box = boxAround(image, centre, kOuterRim * radius_px + 1.0);
-    if (!box) return std::nullopt;
-    look = lookAtMark(image, *box, {centre, mm_per_pixel, radius_mm, edge_half_px}, levels, round > 0);
-    if (look.stained_share > 0.02 || look.darkened_share > 0.06) return std::nullopt;
-    levels = look.levels;
-    if (!enough_contrast(levels)) return std::nullopt;
-    const Eigen::Vector2d step = look.centroid - centre;
-    centre = look.centroid;
-    if (round > 0 && step.norm() < 5e-3) break;
-  }
-  const double area_ratio = look.area_px / (kPi * radius_px * radius_px);
-  if (std::abs(area_ratio - 1.0) > 0.15) return std::nullopt;
-  if (look.worst_sector_px > std::max(0.25, 0.02 * radius_px)) return std::nullopt;
+  if (!look) return std::nullopt;
 
   FoundMark found;
-  found.pixel = centre;
+  found.pixel = look->centroid;
   found.diameter_mm = diameter_mm;
-  found.contrast_gray = levels.board - levels.ink;
-  found.sigma_mm = look.sigma_px / px_per_mm;
-  found.p_mm = centreFromCentroid(calibration, centre, radius_mm);
+  found.levels = look->levels;
+  found.sigma_mm = look->sigma_px / map.pxPerMm();
+  found.p_mm = centreFromCentroid(calibration, look->centroid, radius_mm);
   if ((found.p_mm - near_mm).norm() > search_mm + 0.5 * radius_mm) return std::nullopt;
   return found;
 }
@@ -139,7 +197,7 @@ std::vector<FoundMark> findMarks(const GrayImage& image, const CameraCalibration
     double px_per_mm = 0.0;
     try {
       p_mm = calibration.planeFromPixel(pixel);
-      px_per_mm = std::sqrt(std::abs(calibration.localMap(p_mm).pixel_per_mm.determinant()));
+      px_per_mm = calibration.localMap(p_mm).pxPerMm();
     } catch (const std::domain_error&) {
       continue;  // Above the horizon of a wide lens.
     }

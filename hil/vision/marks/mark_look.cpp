@@ -11,6 +11,8 @@
 #include "hil/vision/marks/row_sums.h"
 #include "twin/base/constants.h"
 #include "twin/base/image.h"
+#include "twin/base/multiversion.h"
+#include "twin/base/wide_math.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -57,38 +59,75 @@ std::array<Span, 2> around(const Span& whole, const Span& part) {
   return {Span{whole.first, part.first}, Span{part.last, whole.last}};
 }
 
-/// Share of ink at a distance outside of a straight blurred edge: the normal distribution's tail.
-class EdgeProfile {
- public:
-  EdgeProfile() {
-    for (std::size_t i = 0; i < table_.size(); ++i)
-      table_[i] = 0.5 * std::erfc((static_cast<double>(i) / kPerSigma - kReachSigmas) / std::sqrt(2.0));
-  }
-  [[nodiscard]] double at(double outside_px) const {
-    constexpr double kMost = 2.0 * kReachSigmas * kPerSigma;
-    const double place =
-        std::clamp((outside_px / kEdgeSigmaPx + kReachSigmas) * kPerSigma, 0.0, kMost - 1e-9);
-    const auto i = static_cast<std::size_t>(place);
-    const double share = place - static_cast<double>(i);
-    return (1.0 - share) * table_[i] + share * table_[i + 1];
-  }
+/// A piece of a row that crosses the edge of a disc.
+struct EdgePiece {
+  static constexpr int kMost = 64;
+  static constexpr float kLeastShare = -0.15F;
+  static constexpr float kMostShare = 1.15F;
+  static constexpr float kSteps =
+      65536.0F;  // Shares of ink are summed in whole steps: exactly, in any order.
+  static constexpr std::int32_t kCoarse = 64;
 
- private:
-  static constexpr double kReachSigmas = 5.0;
-  static constexpr double kPerSigma = 64.0;  // Straight lines between: off by 2e-5 at most.
-  std::array<double, 641> table_{};
+  int count;
+  float x, y;  ///< First pixel from the disc's centre.
+  std::array<float, kMost> level;
+  std::array<float, kMost> share;          ///< Share of ink.
+  std::array<float, kMost> beyond;         ///< More than a round disc has there.
+  std::array<std::int32_t, kMost> sector;  ///< Counted as atan2 goes, from -x.
+  std::int32_t sum, by_place, by_square;   ///< Sums of steps; the last of coarse ones, kCoarse steps each.
 };
 
-/// Sector of a direction, counted as atan2 goes, from -x.
-std::size_t sectorOf(const Eigen::Vector2d& d) {
+/// How a level becomes a share of ink.
+struct InkScale {
+  float board, per_level, slope_x, slope_y;
+};
+
+KERFBENCH_WIDE void weigh(const InkScale& scale, EdgePiece& piece) {
+  const float at_first = scale.slope_x * piece.x + scale.slope_y * piece.y;
+  std::int32_t sum = 0;
+  std::int32_t by_place = 0;
+  std::int32_t by_square = 0;
+  for (int k = 0; k < piece.count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const float light = at_first + scale.slope_x * static_cast<float>(k);
+    const float dark = scale.board - scale.per_level * piece.level[i] / (1.0F + light);
+    const float least = dark > EdgePiece::kLeastShare ? dark : EdgePiece::kLeastShare;
+    const float share = least < EdgePiece::kMostShare ? least : EdgePiece::kMostShare;
+    piece.share[i] = share;
+    const auto steps = static_cast<std::int32_t>((share - EdgePiece::kLeastShare) * EdgePiece::kSteps);
+    sum += steps;
+    by_place += steps * k;
+    by_square += steps / EdgePiece::kCoarse * (k * k);
+  }
+  piece.sum = sum;
+  piece.by_place = by_place;
+  piece.by_square = by_square;
+}
+
+/// Compares a piece with the edge of a round disc, blurred as a straight one is.
+KERFBENCH_WIDE void compare(const Eigen::Matrix2f& circle, float radius_px, EdgePiece& piece) {
   static_assert(kSectors == 12);
-  constexpr double kTan30 = 1.0 / std::numbers::sqrt3;
-  const double x = std::abs(d.x());
-  const double y = std::abs(d.y());
-  const std::size_t third =
-      static_cast<std::size_t>(y >= kTan30 * x) + static_cast<std::size_t>(y >= std::numbers::sqrt3 * x);
-  if (d.y() < 0.0) return d.x() < 0.0 ? third : 5 - third;
-  return d.x() < 0.0 ? 11 - third : 6 + third;
+  constexpr float kTan30 = std::numbers::inv_sqrt3_v<float>;
+  constexpr float kTan60 = std::numbers::sqrt3_v<float>;
+  constexpr auto kPerPx = static_cast<float>(1.0 / (kEdgeSigmaPx * std::numbers::sqrt2));
+  const float xx = circle(0, 0);
+  const float xy = circle(0, 1);
+  const float yx = circle(1, 0);
+  const float yy = circle(1, 1);
+  for (int k = 0; k < piece.count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const float x = piece.x + static_cast<float>(k);
+    const float right = xx * x + xy * piece.y;
+    const float down = yx * x + yy * piece.y;
+    const float outside = std::sqrt(right * right + down * down) - radius_px;
+    piece.beyond[i] = piece.share[i] - 0.5F * wideErfc(kPerPx * outside);
+    const float a = right < 0.0F ? -right : right;
+    const float b = down < 0.0F ? -down : down;
+    const std::int32_t third = (b >= kTan30 * a ? 1 : 0) + (b >= kTan60 * a ? 1 : 0);
+    const std::int32_t above = right < 0.0F ? third : 5 - third;
+    const std::int32_t below = right < 0.0F ? 11 - third : 6 + third;
+    piece.sector[i] = down < 0.0F ? above : below;
+  }
 }
 
 /// A row's levels by their columns in the picture.
@@ -146,6 +185,7 @@ class MarkSums {
     look.levels = measuredLevels();
     look.stained_share = stained_ / ink_.n;
     look.darkened_share = darkened_ / outer_;
+    look.board_share = board_.n / outer_;
     if (check_edge_) look.sigma_px = noise(look.levels.board);
     double mean = 0.0;
     for (const double s : sector_) mean += s / kSectors;
@@ -214,52 +254,40 @@ class MarkSums {
              1.0 / levels_per_gray_);
   }
 
-  /// Weighs the pixels of the edge by their share of ink, in whole steps of it: sums of these are exact, in
-  /// whatever order the compiler takes them.
+  /// Weighs the pixels of the edge by their share of ink.
   template <typename Level>
   void addEdge(const Row<Level>& row, const Span& span, double y) {
-    constexpr int kPiece = 64;
-    constexpr float kSteps = 65536.0F;
-    constexpr float kLeast = -0.15F;
-    constexpr float kMost = 1.15F;
-    for (int begin = span.first; begin < span.last; begin += kPiece) {
-      const int count = std::min(kPiece, span.last - begin);
-      const Level* const levels = row.from(begin);
+    const InkScale scale{static_cast<float>(levels_.board / contrast_),
+                         static_cast<float>(1.0 / (levels_per_gray_ * contrast_)),
+                         static_cast<float>(levels_.slope.x()), static_cast<float>(levels_.slope.y())};
+    EdgePiece piece;
+    for (int begin = span.first; begin < span.last; begin += EdgePiece::kMost) {
+      piece.count = std::min(EdgePiece::kMost, span.last - begin);
       const double x = begin - disc_.centre.x();
-      const auto scale = static_cast<float>(1.0 / (levels_per_gray_ * contrast_));
-      const auto board = static_cast<float>(levels_.board / contrast_);
-      const auto at_first = static_cast<float>(levels_.slope.x() * x + levels_.slope.y() * y);
-      const auto along = static_cast<float>(levels_.slope.x());
-      std::int32_t sum = 0;
-      std::int32_t moment = 0;
-      for (int k = 0; k < count; ++k) {
-        const float light = at_first + along * static_cast<float>(k);
-        const float dark = board - scale * static_cast<float>(levels[k]) / (1.0F + light);
-        const float w = std::min(std::max(dark, kLeast), kMost);
-        const auto steps = static_cast<std::int32_t>((w - kLeast) * kSteps);
-        sum += steps;
-        moment += steps * k;
-      }
-      const double least = kLeast + 0.5 / kSteps;
-      const double weight = sum / static_cast<double>(kSteps) + count * least;
-      const double by_place = moment / static_cast<double>(kSteps) + 0.5 * count * (count - 1) * least;
+      piece.x = static_cast<float>(x);
+      piece.y = static_cast<float>(y);
+      std::copy_n(row.from(begin), piece.count, piece.level.begin());
+      weigh(scale, piece);
+      // Cut off, a step is half of one too small.
+      constexpr double kOffset = EdgePiece::kLeastShare + 0.5 / EdgePiece::kSteps;
+      const auto n = static_cast<double>(piece.count);
+      const double places = 0.5 * n * (n - 1.0);
+      const double weight = piece.sum / double{EdgePiece::kSteps} + n * kOffset;
+      const double by_place = piece.by_place / double{EdgePiece::kSteps} + places * kOffset;
       weight_ += weight;
       moment_ += Eigen::Vector2d(weight * x + by_place, weight * y);
       if (!check_edge_) continue;
-      for (int k = 0; k < count; ++k) {
-        const double value =
-            levels[k] / levels_per_gray_ / (1.0 + levels_.slope.dot(Eigen::Vector2d(x + k, y)));
-        checkEdge({x + k, y}, value, std::clamp((levels_.board - value) / contrast_, -0.15, 1.15));
-      }
+      compare(circle_.cast<float>(), static_cast<float>(radius_px_), piece);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(piece.count); ++k)
+        sector_[static_cast<std::size_t>(piece.sector[k])] += piece.beyond[k];
+      const double squares = places * (2.0 * n - 1.0) / 3.0;
+      const double by_square =
+          piece.by_square * (EdgePiece::kCoarse / double{EdgePiece::kSteps}) + squares * kOffset;
+      const double spread = 0.5 * (n * (x * x + y * y) + 2.0 * x * places + squares);
+      edge_spread_ += spread;
+      edge_spread_light_ += levels_.board * spread -
+                            contrast_ * 0.5 * (weight * (x * x + y * y) + 2.0 * x * by_place + by_square);
     }
-  }
-
-  void checkEdge(const Eigen::Vector2d& from, double value, double w) {
-    static const EdgeProfile kProfile;
-    const Eigen::Vector2d d = circle_ * from;
-    edge_spread_ += 0.5 * from.squaredNorm();
-    edge_spread_light_ += 0.5 * from.squaredNorm() * value;
-    sector_[sectorOf(d)] += w - kProfile.at(d.norm() - radius_px_);
   }
 
   /// A plane through the gray of the board: its height at the disc's centre, its slope, and what is left.

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "hil/vision/marks/mark_levels.h"
 #include "twin/base/image_fwd.h"
 
 namespace kerfbench::vision {
@@ -12,14 +13,6 @@ namespace kerfbench::vision {
 // Parts of measureMark(): one look at a printed disc.
 
 inline constexpr double kOuterRim = 1.4;  ///< Ring of board, in radii of a disc: all board out to here.
-
-/// Gray of board and ink, and how the light changes over the picture: share per pixel of that at the disc's
-/// centre.
-struct MarkLevels {
-  double board{};
-  double ink{};
-  Eigen::Vector2d slope{Eigen::Vector2d::Zero()};
-};
 
 struct PixelBox {
   int left, top, right, bottom;  // Columns and rows, the last ones included.
@@ -34,7 +27,8 @@ struct MarkLook {
   double area_px;
   MarkLevels levels;
   double stained_share;    ///< Share of the inner disc that is not ink.
-  double darkened_share;   ///< Share of the outer ring that is not board.
+  double darkened_share;   ///< Share of the outer ring that is darker than board.
+  double board_share;      ///< Share of the outer ring that is board by the levels it was looked at with.
   double worst_sector_px;  ///< Farthest that a piece of the edge lies off the circle.
   double sigma_px;         ///< Standard deviation of the centroid, per axis.
 };

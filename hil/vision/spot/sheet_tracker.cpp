@@ -173,8 +173,8 @@ void SheetTracker::poolNoise(std::vector<MarkPair>& pairs, std::span<const doubl
   for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].sigma_mm = std::sqrt(pooled_mm3_ / diameters_mm[i]);
 }
 
-SheetTracker::Sighting SheetTracker::lookForMarks(const FrameView& view, const PlaneMotion& expected,
-                                                  double search_mm,
+SheetTracker::Sighting SheetTracker::lookForMarks(const FrameView& view, int unit,
+                                                  const PlaneMotion& expected, double search_mm,
                                                   const std::optional<KeepOut>& spot) const {
   Sighting seen;
   for (std::size_t i = 0; i < print_.marks.size(); ++i) {
@@ -188,13 +188,16 @@ SheetTracker::Sighting SheetTracker::lookForMarks(const FrameView& view, const P
     // Where it should be found for certain: not so near to the border that the prediction decides.
     const bool certain = markInView(p_mm, mark.diameter_mm + 2.0 * search_mm);
     seen.in_view += !covered && certain ? 1 : 0;
-    if (!covered && part != nullptr)
-      found = measureMark(*part, calibration_, p_mm, mark.diameter_mm, search_mm);
+    if (!covered && part != nullptr) {
+      const auto before = levels_.find({unit, i});
+      const auto known = before == levels_.end() ? std::nullopt : std::optional(before->second);
+      found = measureMark(*part, calibration_, p_mm, mark.diameter_mm, search_mm, known);
+    }
     if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
     seen.pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
     seen.marks.push_back(i);
     seen.diameters_mm.push_back(mark.diameter_mm);
-    seen.contrasts_gray.push_back(found->contrast_gray);
+    seen.levels.push_back(found->levels);
   }
   return seen;
 }
@@ -209,9 +212,12 @@ std::vector<SheetPose> SheetTracker::measure(const FrameView& view, double time_
   const auto [first, last] = unitsToLookFor();
   for (int unit = first; unit <= last; ++unit) {
     const UnitState before = predict(unit, time_s);
-    Sighting seen = lookForMarks(view, before.motion, looseness(unit, time_s), spot);
-    for (const double gray : seen.contrasts_gray) contrast += gray;
-    contrasts += static_cast<int>(seen.contrasts_gray.size());
+    Sighting seen = lookForMarks(view, unit, before.motion, looseness(unit, time_s), spot);
+    for (std::size_t i = 0; i < seen.marks.size(); ++i) {
+      levels_[{unit, seen.marks[i]}] = seen.levels[i];
+      contrast += seen.levels[i].contrast();
+    }
+    contrasts += static_cast<int>(seen.levels.size());
     if (seen.pairs.empty()) continue;
     poolNoise(seen.pairs, seen.diameters_mm);
     MotionFit fit = fitMotionRobust(seen.pairs, before.motion, kDisagreementMm);
@@ -245,6 +251,7 @@ void SheetTracker::keepUnits(const std::map<int, UnitState>& measured, double ti
   // Units that have gone by are forgotten, but for the last one, to count on from.
   if (!measured.empty()) {
     std::erase_if(units_, [&](const auto& entry) { return entry.second.time_s != time_s; });
+    std::erase_if(levels_, [&](const auto& entry) { return !units_.contains(entry.first.first); });
   }
   time_s_ = time_s;
 }

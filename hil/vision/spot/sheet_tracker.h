@@ -76,11 +76,12 @@ class SheetTracker {
   struct Sighting {
     std::vector<MarkPair> pairs;
     std::vector<std::size_t> marks;  ///< Index in the print of each pair.
-    std::vector<double> diameters_mm, contrasts_gray;
+    std::vector<double> diameters_mm;
+    std::vector<MarkLevels> levels;
     int in_view{0};  ///< Marks that should be found for certain.
   };
-  [[nodiscard]] Sighting lookForMarks(const FrameView& view, const PlaneMotion& expected, double search_mm,
-                                      const std::optional<KeepOut>& spot) const;
+  [[nodiscard]] Sighting lookForMarks(const FrameView& view, int unit, const PlaneMotion& expected,
+                                      double search_mm, const std::optional<KeepOut>& spot) const;
   void keepUnits(const std::map<int, UnitState>& measured, double time_s);
   [[nodiscard]] int explained(const std::vector<FoundMark>& seen,
                               const std::map<int, PlaneMotion>& poses) const;
@@ -92,6 +93,7 @@ class SheetTracker {
   double speed_mm_s_;  ///< Speed of the web along x, as measured; nominal at first.
   double largest_diameter_mm_{};
   std::map<int, UnitState> units_;
+  std::map<std::pair<int, std::size_t>, MarkLevels> levels_;  ///< By unit and mark, when it was seen last.
   double contrast_gray_{80.0};
   double pooled_mm3_{};  ///< Mean of variance times diameter of the marks so far.
   double pooled_{};      ///< Number of marks in pooled_mm3_.

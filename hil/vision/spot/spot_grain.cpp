@@ -14,6 +14,7 @@
 namespace kerfbench::vision {
 
 void BoardGrain::add(const GrayImage& image, const SpotFit& fit, double board_gray) {
+  if (const std::size_t shown = shown_++; shown >= kAllOf && shown % kThenEvery != 0) return;
   constexpr int kHalf = 14;
   const double clear_px = 4.0 * fit.long_sigma_px + 1.0;
   const int half = static_cast<int>(std::ceil(clear_px)) + kHalf;

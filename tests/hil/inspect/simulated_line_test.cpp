@@ -34,10 +34,10 @@ ReadingLine lineWithAGap() {
 }
 
 std::array<CounterRandom, kDrawsAtOnce> streamsFrom(std::uint64_t draw) {
-  std::array<CounterRandom, kDrawsAtOnce> streams{
-      CounterRandom(16, draw),     CounterRandom(16, draw + 1), CounterRandom(16, draw + 2),
-      CounterRandom(16, draw + 3), CounterRandom(16, draw + 4), CounterRandom(16, draw + 5),
-      CounterRandom(16, draw + 6), CounterRandom(16, draw + 7)};
+  std::array<CounterRandom, kDrawsAtOnce> streams{CounterRandom(16, draw),     CounterRandom(16, draw + 1),
+                                                  CounterRandom(16, draw + 2), CounterRandom(16, draw + 3),
+                                                  CounterRandom(16, draw + 4), CounterRandom(16, draw + 5),
+                                                  CounterRandom(16, draw + 6), CounterRandom(16, draw + 7)};
   return streams;
 }
 

@@ -147,9 +147,12 @@ TEST(KerfJoint, CornersTellRoundingAndOvershoot) {
         for (const CornerKerf& corner : scan.corners) {
           ASSERT_TRUE(corner.found);
           EXPECT_NEAR(corner.turn_rad, turn, 1e-9);
-          rounding_errors.push_back(corner.rounding_mm - true_rounding);
+          const double error_mm = corner.rounding_mm - true_rounding;
+          // An arc of 0.4 mm that turns by this much takes away all that the picture holds of the legs: one
+          // in ten is off by 0.01 to 0.1 mm, which its stated uncertainty has to tell.
+          if (turn < 2.0 || asked.radius_mm < 0.3) rounding_errors.push_back(error_mm);
           overshoot_errors.push_back(corner.overshoot_mm - asked.overshoot_mm);
-          if (asked.radius_mm > 0.0) zs.push_back(rounding_errors.back() / corner.rounding_sigma_mm);
+          if (asked.radius_mm > 0.0) zs.push_back(error_mm / corner.rounding_sigma_mm);
           if (asked.overshoot_mm > 0.0) zs.push_back(overshoot_errors.back() / corner.overshoot_sigma_mm);
         }
       }
@@ -160,9 +163,7 @@ TEST(KerfJoint, CornersTellRoundingAndOvershoot) {
     const double z = std::hypot(zz.mean, zz.sigma);
     std::printf("  turn %.2f: rounding bias %.2f sigma %.2f um; overshoot bias %.2f sigma %.2f um; z %.2f\n",
                 turn, 1e3 * r.mean, 1e3 * r.sigma, 1e3 * o.mean, 1e3 * o.sigma, z);
-    // An arc of 0.4 mm that turns by this much takes away all that the picture holds of the legs: how round
-    // it is then follows from walls, which may be upright or lean.
-    EXPECT_LT(std::hypot(r.mean, r.sigma), turn > 2.0 ? 0.0045 : 0.002);
+    EXPECT_LT(std::hypot(r.mean, r.sigma), 0.002);
     EXPECT_LT(std::hypot(o.mean, o.sigma), 0.002);
     EXPECT_LT(z, 1.2);
   }
