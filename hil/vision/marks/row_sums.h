@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 
-#include <Eigen/Core>
-
 namespace kerfbench::vision {
 
 // Private to this room: sums over the pixels of a look at a printed disc.
@@ -45,27 +43,5 @@ RowSums sumRow(const Level* levels, int count, std::uint32_t least, std::uint32_
   }
   return sums;
 }
-
-/// Moments of pixels about the disc's centre, and of their gray.
-struct Moments {
-  double n{0.0}, gray{0.0}, gray2{0.0};
-  Eigen::Vector2d place{Eigen::Vector2d::Zero()};       ///< Sum of places, px.
-  Eigen::Vector2d gray_place{Eigen::Vector2d::Zero()};  ///< Weighted by gray.
-  Eigen::Matrix2d spread{Eigen::Matrix2d::Zero()};      ///< Sum of place * placeᵀ.
-
-  /// A row's sums; its first pixel lies at x, y from the centre.
-  void add(const RowSums& row, double x, double y, double per_level) {
-    const double sum_x = row.n * x + row.k;
-    n += row.n;
-    gray += row.p * per_level;
-    gray2 += row.pp * per_level * per_level;
-    place += Eigen::Vector2d(sum_x, row.n * y);
-    gray_place += per_level * Eigen::Vector2d(row.p * x + row.pk, row.p * y);
-    spread(0, 0) += row.n * x * x + 2.0 * x * row.k + row.kk;
-    spread(0, 1) += sum_x * y;
-    spread(1, 0) += sum_x * y;
-    spread(1, 1) += row.n * y * y;
-  }
-};
 
 }  // namespace kerfbench::vision
