@@ -181,6 +181,11 @@ bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV,
 
   const PlanePatch patch(corners);
   const PlaneGrid::Block block = grid.block(bx, by);
+  if (burnt) {
+    const int slices = job.oblique ? job.oblique->slices : 0;
+    findWhole(static_cast<float>(job.sheet.untouchedFluence_j_mm2()),
+              static_cast<int>(std::ceil(kSliceNodes * slices)), burn);
+  }
   const bool rough = burnt && job.rough;
   if (rough) job.rough->fill(face);
   const auto paintBy = [&](auto scorch, auto roughness, auto oblique) {

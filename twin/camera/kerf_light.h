@@ -103,7 +103,39 @@ struct PrintShape {
 struct Window {
   int column{}, row{}, columns{}, rows{};
   std::vector<float> nodes;
+  std::vector<char> whole;  ///< For each cell, behind its node: see findWhole().
+
+  [[nodiscard]] std::size_t cellOf(float x, float y) const {
+    return static_cast<std::size_t>(static_cast<int>(y)) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(static_cast<int>(x));
+  }
 };
+
+/// Finds the cells whose board is whole: no node that the spline takes for a place in them, or as far from
+/// them as `reach_nodes`, has more than `limit`. Most of a block with a kerf is such board.
+inline void findWhole(float limit, int reach_nodes, Window& window) {
+  const auto columns = static_cast<std::size_t>(window.columns);
+  const auto rows = static_cast<std::size_t>(window.rows);
+  const auto before = static_cast<std::size_t>(1 + reach_nodes);
+  const auto behind = static_cast<std::size_t>(2 + reach_nodes);
+  std::vector<char> row_whole(window.nodes.size(), 1);
+  window.whole.assign(window.nodes.size(), 1);
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t c = 0; c < columns; ++c) {
+      if (!(window.nodes[r * columns + c] > limit)) continue;
+      const std::size_t first = c > behind ? c - behind : 0;
+      std::fill_n(row_whole.begin() + static_cast<std::ptrdiff_t>(r * columns + first),
+                  std::min(c + before + 1, columns) - first, char{0});
+    }
+  }
+  for (std::size_t r = 0; r < rows; ++r) {
+    const char* const from = row_whole.data() + r * columns;
+    for (std::size_t to = r > behind ? r - behind : 0; to < std::min(r + before + 1, rows); ++to) {
+      char* const line = window.whole.data() + to * columns;
+      for (std::size_t c = 0; c < columns; ++c) line[c] = static_cast<char>(line[c] & from[c]);
+    }
+  }
+}
 
 /// The 4 x 4 nodes of a window around a place, given by the window's first node, and the place between them.
 struct Around {
@@ -217,13 +249,13 @@ class BlockPainter {
   /// Grey from print and scorch at a place and from depth at another place near it.
   [[nodiscard]] float grayOf(float x, float y, float depth_x, float depth_y) const {
     if constexpr (kOblique) {
-      const Passage way = burn_ == nullptr ? Passage{} : passage(depth_x, depth_y);
+      const Passage way = isWhole(depth_x, depth_y) ? Passage{} : passage(depth_x, depth_y);
       const float gray =
           printed(job_.oblique->board.at(way.left), x, y, [&] { return job_.oblique->print.at(way.left); });
       if constexpr (kScorched) return scorched(gray, way.open, x, y);
       return gray;
     }
-    const float share = burn_ == nullptr ? 0.0F : shareAt(depth_x, depth_y);
+    const float share = isWhole(depth_x, depth_y) ? 0.0F : shareAt(depth_x, depth_y);
     const float gray = printed(job_.board.at(share), x, y, [&] { return job_.print.at(share); });
     if constexpr (kScorched) {
       const bool whole = !(share > kSurelyWhole);
@@ -245,6 +277,9 @@ class BlockPainter {
     return gray;
   }
 
+  [[nodiscard]] bool isWhole(float x, float y) const {
+    return burn_ == nullptr || job_.burn.whole[job_.burn.cellOf(x, y)] != 0;
+  }
   [[nodiscard]] float shareAt(float x, float y) const {
     return share_per_fluence_ * fluence(Around(burn_, columns_, x, y));
   }
