@@ -12,6 +12,7 @@
 #include "twin/base/multiversion.h"
 #include "twin/base/random.h"
 #include "twin/base/wide_math.h"
+#include "twin/camera/disc_painter.h"
 #include "twin/camera/gaussian_blur.h"
 
 namespace kerfbench::twin {
@@ -81,91 +82,6 @@ void mergeOverlapping(std::vector<PixelBox>& boxes) {
     i = merged ? 0 : i + 1;
   }
 }
-
-/// Region where the edge of a disc passes at any of its places: nearer to their middle all places cover,
-/// further off none does.
-struct RingOfEdges {
-  RingOfEdges(const std::vector<Vector2d>& places_mm, double radius_mm, double blur_mm)
-      : middle_mm(places_mm[places_mm.size() / 2]) {
-    double spread_mm = 0.0;
-    for (const Vector2d& place_mm : places_mm) spread_mm = std::max(spread_mm, (place_mm - middle_mm).norm());
-    const double inner_mm = radius_mm - blur_mm - spread_mm - kRounding_mm;
-    const double outer_mm = radius_mm + blur_mm + spread_mm + kRounding_mm;
-    inner_square = inner_mm > 0.0 ? inner_mm * inner_mm : -1.0;
-    outer_square = outer_mm * outer_mm;
-  }
-
-  static constexpr double kRounding_mm = 1e-9;
-  Vector2d middle_mm;
-  double inner_square;
-  double outer_square;
-};
-
-/// Pixels of a row that the ring may reach, and those that surely lie within its inner circle: of the others
-/// nothing need be computed. The picture of a circle lies between two circles of pixels.
-class RowsOfRing {
- public:
-  RowsOfRing(const RingOfEdges& ring, const Vector2d& middle_px, const Eigen::Matrix2d& px_per_mm)
-      : middle_px_(middle_px) {
-    // The singular values, and some room for a scale that changes over the mark.
-    constexpr double kScale = 0.05;
-    constexpr double kRoom_px = 1.5;
-    const double mean = 0.5 * px_per_mm.squaredNorm();
-    const double spread = std::sqrt(std::max(0.0, mean * mean - std::pow(px_per_mm.determinant(), 2)));
-    outer_px_ = (1.0 + kScale) * std::sqrt((mean + spread) * ring.outer_square) + kRoom_px;
-    if (ring.inner_square > 0.0)
-      inner_px_ = (1.0 - kScale) * std::sqrt((mean - spread) * ring.inner_square) - kRoom_px;
-  }
-  /// Columns [first, last) of row y that may have ink.
-  [[nodiscard]] std::pair<int, int> reached(int y, const PixelBox& box) const {
-    return within(outer_px_, y, box);
-  }
-  /// Columns [first, last) of row y that have nothing but ink; never more than those reached.
-  [[nodiscard]] std::pair<int, int> covered(int y, const PixelBox& box) const {
-    return within(inner_px_, y, box);
-  }
-
- private:
-  [[nodiscard]] std::pair<int, int> within(double radius_px, int y, const PixelBox& box) const {
-    const double down = y - middle_px_.y();
-    const double square = radius_px * radius_px - down * down;
-    if (radius_px <= 0.0 || square <= 0.0) return {box.x1, box.x1};
-    const double half = std::sqrt(square);
-    const auto clip = [&](double x) {
-      return static_cast<int>(std::clamp(x, static_cast<double>(box.x0), static_cast<double>(box.x1)));
-    };
-    return {clip(std::ceil(middle_px_.x() - half)), clip(std::floor(middle_px_.x() + half) + 1.0)};
-  }
-
-  Vector2d middle_px_;
-  double outer_px_{};
-  double inner_px_{};
-};
-
-/// Points of the plane that the pixels of a row see, and their squared distances from a point. Loops of whole
-/// rows without a branch: the compiler takes several pixels at once.
-struct PointsOfRow {
-  explicit PointsOfRow(std::size_t count) : x(count), y(count), square(count) {}
-
-  /// The first `count` pixels: pixel i of the row lies at ((first + i) / width, t) of the patch.
-  void place(const PlanePatch& patch, double t, int first, int count, double width, const Vector2d& from) {
-    const Vector2d c0 = patch.alongRow(t, 0);
-    const Vector2d c1 = patch.alongRow(t, 1);
-    const Vector2d c2 = patch.alongRow(t, 2);
-    for (int i = 0; i < count; ++i) {
-      const double s = (first + i) / width;
-      x[static_cast<std::size_t>(i)] = c0.x() + s * (c1.x() + s * c2.x());
-      y[static_cast<std::size_t>(i)] = c0.y() + s * (c1.y() + s * c2.y());
-    }
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-      const double dx = x[i] - from.x();
-      const double dy = y[i] - from.y();
-      square[i] = dx * dx + dy * dy;
-    }
-  }
-
-  std::vector<double> x, y, square;
-};
 
 /// A Gaussian along a row of pixels: gray * exp(-square / 2), and square of pixel i is first + i (slope + i
 /// curve).
@@ -408,48 +324,8 @@ void SpotStage::addMark(const MarkImage& mark, const PixelBox& box, std::vector<
     if (!point) return;
     nodes[n] = *point;
   }
-  const PlanePatch patch(nodes);
-  const auto darkening =
-      static_cast<float>((kMarkGray - camera_.board_gray) / static_cast<double>(mark.p_WM_mm.size()));
-  const double sigmas_per_mm = mark.px_per_mm / blur_px_;
-  const double outside_mm = mark.radius_mm + kEdgeSigmas / sigmas_per_mm;
-  const RingOfEdges ring(mark.p_WM_mm, mark.radius_mm, kEdgeSigmas / sigmas_per_mm);
-  const std::optional<Vector2d> middle_px = projection_.pixelOf(ring.middle_mm);
-  const PixelBox drawn = own.within(box);
-  if (!middle_px || drawn.empty()) return;
-  const RowsOfRing rows(ring, *middle_px, projection_.jacobianAt(ring.middle_mm));
-  const float all_ink = darkening * static_cast<float>(mark.p_WM_mm.size());
-  const double width = own.x1 - own.x0;
-  PointsOfRow points(drawn.width());
-  for (int y = drawn.y0; y < drawn.y1; ++y) {
-    float* const line = lineOf(light, box, y);
-    const auto addSpan = [&](int x0, int x1) {
-      if (x0 >= x1) return;
-      points.place(patch, (y - own.y0) / static_cast<double>(own.y1 - own.y0), x0 - own.x0, x1 - x0, width,
-                   ring.middle_mm);
-      for (int x = x0; x < x1; ++x) {
-        const auto i = static_cast<std::size_t>(x - x0);
-        if (points.square[i] >= ring.outer_square) continue;
-        if (points.square[i] <= ring.inner_square) {
-          line[x] += all_ink;
-          continue;
-        }
-        const Vector2d p_WP_mm(points.x[i], points.y[i]);
-        float covered = 0.0F;
-        for (const Vector2d& p_WM_mm : mark.p_WM_mm) {
-          const double square = (p_WP_mm - p_WM_mm).squaredNorm();
-          if (square > outside_mm * outside_mm) continue;
-          covered += edge_.at((std::sqrt(square) - mark.radius_mm) * sigmas_per_mm);
-        }
-        line[x] += darkening * covered;
-      }
-    };
-    const auto [x0, x1] = rows.reached(y, drawn);
-    const auto [ink0, ink1] = rows.covered(y, {x0, drawn.y0, x1, drawn.y1});
-    addSpan(x0, ink0);
-    for (int x = ink0; x < ink1; ++x) line[x] += all_ink;
-    addSpan(ink1, x1);
-  }
+  const DiscPainter painter(mark, PlanePatch(nodes), projection_, blur_px_, kMarkGray - camera_.board_gray);
+  painter.add(box, light);
 }
 
 void SpotStage::addArea(const AreaImage& area, const PixelBox& piece, const PixelBox& box,
