@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/parallel.h"
 #include "hil/camera/tile_folder.h"
 #include "hil/evidence/pin_evidence.h"
 #include "hil/inspect/inspect.h"
@@ -82,33 +83,54 @@ class Look {
        inspect::Evidence& evidence)
       : test_case_(test_case), cameras_(cameras), observer_(observer), evidence_(evidence) {}
 
-  void atSpot(const source::PinRecording& recording, const vision::CameraCalibration& calibration) {
-    observer_.progress(-1, "looking at the spot");
+  /// Both cameras at once, as far as neither is a real one: nothing that one shows is asked by the other.
+  void atSpotAndCut(const source::PinRecording& recording, const vision::CameraCalibration& spot,
+                    const vision::CameraCalibration& kerf) {
     if (test_case_.scenario.cameras.spot.is_real) {
-      RealSpot real = lookAtRealSpot(test_case_, cameras_.spot_frames, calibration, recording,
-                                     evidence_.gates, cameras_.threads);
-      evidence_.spot = std::move(real.track);
-      evidence_.clock_bound_s = real.clock_bound_s;
-      append(real.problems, evidence_);
-      pictures_.push_back({"spot frames", real.sha256});
-      facts_.insert(facts_.end(), real.facts.begin(), real.facts.end());
+      observer_.progress(-1, "looking at the spot");
+      atRealSpot(recording, spot);
       observer_.stopwatch.lap("spot camera: measure");
+      observer_.progress(-1, "looking at the cut");
+      atCut(*kerfPictures(kerf), kerf);
+      observer_.stopwatch.lap("kerf camera: render and measure");
       return;
     }
+    observer_.progress(-1, "looking at spot and cut");
     const double margin_s = recordMargin_s(test_case_.machine.spot_camera);
     const std::unique_ptr<camera::FrameSource> frames = cameras_.of_machine.spotFrames(
         evidence_.gates.front().on_s - margin_s, evidence_.gates.back().off_s + margin_s, cameras_.threads);
+    const std::unique_ptr<camera::TileSource> tiles = kerfPictures(kerf);
+    // What the one does in order leaves the processor to the other.
+    base::forEachIndex(2, cameras_.threads, [&](std::size_t camera) {
+      camera == 0 ? atSpot(*frames, recording, spot) : atCut(*tiles, kerf);
+    });
+    observer_.stopwatch.lap("spot and kerf camera: render and measure");
+  }
+
+  std::vector<std::pair<std::string, std::string>>& facts() { return facts_; }
+  std::vector<report::EvidencePart>& pictures() { return pictures_; }
+
+ private:
+  void atRealSpot(const source::PinRecording& recording, const vision::CameraCalibration& calibration) {
+    RealSpot real = lookAtRealSpot(test_case_, cameras_.spot_frames, calibration, recording, evidence_.gates,
+                                   cameras_.threads);
+    evidence_.spot = std::move(real.track);
+    evidence_.clock_bound_s = real.clock_bound_s;
+    append(real.problems, evidence_);
+    pictures_.push_back({"spot frames", real.sha256});
+    facts_.insert(facts_.end(), real.facts.begin(), real.facts.end());
+  }
+
+  void atSpot(camera::FrameSource& frames, const source::PinRecording& recording,
+              const vision::CameraCalibration& calibration) {
     vision::SpotTrackOptions options{cameras_.threads, test_case_.scenario.belt_speed_mm_s};
     options.aim = beamAim(test_case_, recording);
     options.read_out = test_case_.machine.spot_camera.read_out;
     options.frame_period_s = test_case_.machine.spot_camera.frame_period_s;
-    evidence_.spot = vision::trackSpot(*frames, calibration, test_case_.scenario.print, options);
-    observer_.stopwatch.lap("spot camera: render and measure");
+    evidence_.spot = vision::trackSpot(frames, calibration, test_case_.scenario.print, options);
   }
 
-  void atCut(const vision::CameraCalibration& calibration) {
-    observer_.progress(-1, "looking at the cut");
-    const std::unique_ptr<camera::TileSource> tiles = kerfPictures(calibration);
+  void atCut(camera::TileSource& tiles, const vision::CameraCalibration& calibration) {
     vision::KerfScanOptions options;
     options.threads = cameras_.threads;
     options.station_pitch_mm = kStationPitch_mm;
@@ -130,14 +152,9 @@ class Look {
     options.scale_sigma = std::hypot(camera.target_scale_sigma, test_case_.scenario.swelling_sigma);
     options.open_gray = test_case_.machine.kerf_camera.open_gray;  // As the light was set up.
     options.open_gray_sigma = camera.open_gray_sigma;
-    evidence_.kerf = scanKerf(*tiles, calibration, test_case_.scenario.print, *test_case_.dieline, options);
-    observer_.stopwatch.lap("kerf camera: render and measure");
+    evidence_.kerf = scanKerf(tiles, calibration, test_case_.scenario.print, *test_case_.dieline, options);
   }
 
-  std::vector<std::pair<std::string, std::string>>& facts() { return facts_; }
-  std::vector<report::EvidencePart>& pictures() { return pictures_; }
-
- private:
   std::unique_ptr<camera::TileSource> kerfPictures(const vision::CameraCalibration& calibration) {
     const scenario::CameraChoice& chosen = test_case_.scenario.cameras;
     if (!chosen.kerf.tiles.empty()) {
@@ -174,8 +191,7 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
 
   Look look(test_case, cameras, observer, evidence);
   if (!evidence.gates.empty() && calibrated.spot && calibrated.kerf) {
-    look.atSpot(run.recording, *calibrated.spot);
-    look.atCut(*calibrated.kerf);
+    look.atSpotAndCut(run.recording, *calibrated.spot, *calibrated.kerf);
   }
   evidence.kerf_calibration = calibrated.kerf;
   evidence.spot_calibration = calibrated.spot;
