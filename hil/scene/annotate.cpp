@@ -3,14 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-
-#include "hil/base/png_codec.h"
-#include "hil/scene/povray.h"
 
 namespace kerfbench::scene {
 namespace {
@@ -19,11 +15,9 @@ constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 const cv::Scalar kInk(28, 32, 40);
 const cv::Scalar kPaper(246, 248, 250);
 
-/// Channels in the order red, green, blue.
-cv::Mat decode(const std::vector<std::uint8_t>& png) {
-  std::optional<base::PngSamples> samples = base::decodePng(png, base::PngColours::kRgb);
-  if (!samples) throw PictureError("POV-Ray's picture cannot be read");
-  return cv::Mat(samples->height_px, samples->width_px, CV_8UC3, samples->bytes.data()).clone();
+/// The same bytes; channels in the order red, green, blue.
+cv::Mat matOf(base::PngSamples& picture) {
+  return {picture.height_px, picture.width_px, CV_8UC3, picture.bytes.data()};
 }
 
 std::vector<std::uint8_t> encode(const cv::Mat& picture) {
@@ -59,10 +53,9 @@ void writeLabels(cv::Mat& picture, const std::vector<twin::SceneLabel>& labels, 
   }
 }
 
-void setIn(cv::Mat& picture, const Inset& inset, double scale) {
-  if (inset.png.empty()) return;
-  cv::Mat small = decode(inset.png);
-  if (inset.view) writeLabels(small, inset.labels, *inset.view, 0.8 * scale);
+void setIn(cv::Mat& picture, Inset& inset, double scale) {
+  cv::Mat small = matOf(inset.picture);
+  writeLabels(small, inset.labels, inset.view, 0.8 * scale);
   const int margin = std::max(4, picture.cols / 80);
   const cv::Rect place(picture.cols - small.cols - margin, margin, small.cols, small.rows);
   small.copyTo(picture(place));
@@ -72,13 +65,13 @@ void setIn(cv::Mat& picture, const Inset& inset, double scale) {
 
 }  // namespace
 
-std::vector<std::uint8_t> annotate(const std::vector<std::uint8_t>& png,
-                                   const std::vector<twin::SceneLabel>& labels, const Viewpoint& view,
-                                   const std::string& caption, const Inset& inset) {
-  cv::Mat picture = decode(png);
+std::vector<std::uint8_t> annotate(base::PngSamples samples, const std::vector<twin::SceneLabel>& labels,
+                                   const Viewpoint& view, const std::string& caption,
+                                   std::optional<Inset> inset) {
+  cv::Mat picture = matOf(samples);
   const double scale = std::clamp(picture.cols / 1900.0, 0.35, 1.6);
   writeLabels(picture, labels, view, scale);
-  setIn(picture, inset, scale);
+  if (inset) setIn(picture, *inset, scale);
   write(picture, caption, {static_cast<int>(14 * scale) + 6, picture.rows - static_cast<int>(12 * scale) - 6},
         scale);
   return encode(picture);

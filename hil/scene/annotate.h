@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/base/png_codec.h"
 #include "hil/scene/view.h"
 #include "twin/scene/scene.h"
 
@@ -13,16 +14,15 @@ namespace kerfbench::scene {
 
 /// A small picture in the upper right corner of the large one.
 struct Inset {
-  std::vector<std::uint8_t> png;  ///< Empty: none.
-  std::optional<Viewpoint> view;  ///< Viewpoint of the small picture, for its labels.
+  base::PngSamples picture;  ///< Red, green, blue, 8 bits.
+  Viewpoint view;            ///< Viewpoint of the small picture, for its labels.
   std::vector<twin::SceneLabel> labels;
 };
 
-/// Writes labels and caption on a picture, sets the inset in, and encodes the whole again: nothing of the
-/// file that the ray tracer wrote (its comments and times) is left but the pixels.
-/// @throws PictureError if a picture cannot be read.
-std::vector<std::uint8_t> annotate(const std::vector<std::uint8_t>& png,
-                                   const std::vector<twin::SceneLabel>& labels, const Viewpoint& view,
-                                   const std::string& caption, const Inset& inset);
+/// Writes labels and caption on a picture (red, green, blue, 8 bits), sets the inset in, and encodes the
+/// whole as a PNG file's bytes.
+std::vector<std::uint8_t> annotate(base::PngSamples samples, const std::vector<twin::SceneLabel>& labels,
+                                   const Viewpoint& view, const std::string& caption,
+                                   std::optional<Inset> inset);
 
 }  // namespace kerfbench::scene

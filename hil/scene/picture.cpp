@@ -4,9 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 #include <variant>
 
+#include "hil/base/png_codec.h"
 #include "hil/scene/annotate.h"
+#include "hil/scene/drawing.h"
 #include "hil/scene/pov_text.h"
 
 namespace kerfbench::scene {
@@ -16,13 +20,21 @@ constexpr double kInsetShare = 0.26;  // Share of the picture's width.
 // The machine keeps clear of the inset: it may reach under it, since it is lower there.
 constexpr double kInsetFree = 0.17;
 
-std::vector<std::uint8_t> trace(const twin::Scene& scene, const Viewpoint& view,
-                                const std::filesystem::path& povray) {
+// The pixels alone: nothing else of the file that POV-Ray wrote (its comments and times) goes on.
+base::PngSamples trace(const twin::Scene& scene, const Viewpoint& view, const std::filesystem::path& povray) {
   PovrayOptions options;
   options.program = povray;
   options.width_px = view.width_px();
   options.height_px = view.height_px();
-  return runPovray(povText(scene, view), options);
+  std::optional<base::PngSamples> samples =
+      base::decodePng(runPovray(povText(scene, view), options), base::PngColours::kRgb);
+  if (!samples) throw PictureError("POV-Ray's picture cannot be read");
+  return std::move(*samples);
+}
+
+base::PngSamples render(const twin::Scene& scene, const Viewpoint& view, const PictureOptions& options) {
+  return options.quality == PictureQuality::kDrawn ? drawScene(scene, view)
+                                                   : trace(scene, view, options.povray);
 }
 
 std::vector<Eigen::Vector3d> cornersOf(const Eigen::AlignedBox3d& box) {
@@ -94,14 +106,13 @@ std::vector<std::uint8_t> renderPng(const twin::Scene& scene, const PictureOptio
   }
   const bool with_inset = options.inset && options.view == SceneView::kOverall && !scene.head.isEmpty();
   const Viewpoint view = viewpointOf(scene, options.view, options.width_px, options.height_px, with_inset);
-  const auto picture = options.view == SceneView::kSheet ? trace(openedFromAbove(scene), view, options.povray)
-                                                         : trace(scene, view, options.povray);
-  Inset inset;
+  base::PngSamples picture =
+      render(options.view == SceneView::kSheet ? openedFromAbove(scene) : scene, view, options);
+  std::optional<Inset> inset;
   if (with_inset) {
     const int side_px = static_cast<int>(kInsetShare * std::min(options.width_px, 2 * options.height_px));
-    inset.view = viewpointOf(scene, SceneView::kHead, side_px, side_px);
-    inset.png = trace(scene, *inset.view, options.povray);
-    inset.labels = scene.head_labels;
+    const Viewpoint head = viewpointOf(scene, SceneView::kHead, side_px, side_px);
+    inset = Inset{render(scene, head, options), head, scene.head_labels};
   }
   const std::string caption = options.caption.empty()
                                   ? fmt::format("{}  t = {:.4f} s", scene.machine, scene.time_s)
@@ -109,7 +120,7 @@ std::vector<std::uint8_t> renderPng(const twin::Scene& scene, const PictureOptio
   std::vector<twin::SceneLabel> labels;
   if (options.view == SceneView::kOverall) labels = scene.labels;
   if (options.view == SceneView::kHead) labels = scene.head_labels;
-  return annotate(picture, labels, view, caption, inset);
+  return annotate(std::move(picture), labels, view, caption, std::move(inset));
 }
 
 }  // namespace kerfbench::scene

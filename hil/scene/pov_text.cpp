@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <optional>
-#include <utility>
 #include <variant>
 #include <vector>
 
+#include "hil/scene/burnt_lines.h"
+#include "hil/scene/lighting.h"
 #include "hil/scene/pov_materials.h"
 
 namespace kerfbench::scene {
@@ -81,37 +80,21 @@ void addCamera(std::string& text, const Viewpoint& view) {
                  vec(2.0 * aspect * view.half_width_tan() * view.up()));
 }
 
-// A large soft lamp over the reader's left shoulder, fill from the right and from above; lamps that only
-// mirrors see give the metal something to reflect.
 void addLights(std::string& text, const Scene& scene, const Viewpoint& view) {
-  const Vector3d centre = scene.overall.center();
-  const double span = scene.overall.diagonal().norm();
-  const auto from = [&](double right, double near, double up) {
-    Vector3d toward = -view.forward();
-    toward.z() = 0;
-    if (toward.norm() < 1e-3) toward = -view.up();
-    return Vector3d(centre +
-                    span * (right * view.right() + near * toward.normalized() + up * Vector3d::UnitZ()));
-  };
-  const Vector3d key = from(-1.3, 1.1, 2.2);
-  const Vector3d along = 0.13 * span * view.right();
-  const Vector3d across = 0.13 * span * Vector3d(centre - key).cross(view.right()).normalized();
+  const Lighting lighting = lightingOf(scene, view);
   const auto out = std::back_inserter(text);
   fmt::format_to(
       out,
       "light_source {{ {} rgb <1.0,0.97,0.92>*1.15 area_light {}, {}, 5, 5 adaptive 1 circular orient }}\n",
-      vec(key), vec(along), vec(across));
-  fmt::format_to(out, "light_source {{ {} rgb <0.75,0.85,1.0>*0.30 shadowless }}\n",
-                 vec(from(1.8, 0.7, 0.8)));
-  fmt::format_to(out, "light_source {{ {} rgb 0.14 shadowless }}\n", vec(from(-0.2, -0.9, 2.0)));
-  const Vector3d soft = from(0.4, 0.7, 1.9);
+      vec(lighting.key_mm), vec(lighting.key_along_mm), vec(lighting.key_across_mm));
+  fmt::format_to(out, "light_source {{ {} rgb <0.75,0.85,1.0>*0.30 shadowless }}\n", vec(lighting.fill_mm));
+  fmt::format_to(out, "light_source {{ {} rgb 0.14 shadowless }}\n", vec(lighting.top_mm));
   fmt::format_to(
       out,
       "box {{ <-1,-1,0>, <1,1,0.01> pigment {{ rgb 1 }} finish {{ emission 1.5 ambient 0 diffuse 0 }} "
       "no_image no_shadow scale {:.6g} translate {} }}\n",
-      0.55 * span, vec(soft));
-  // The floor fades into the background: it has no edge.
-  fmt::format_to(out, "fog {{ fog_type 1 distance {:.6g} rgb <0.40,0.42,0.45> }}\n", 50.0 * span);
+      lighting.panel_half_mm, vec(lighting.panel_mm));
+  fmt::format_to(out, "fog {{ fog_type 1 distance {:.6g} rgb <0.40,0.42,0.45> }}\n", lighting.fog_mm);
   fmt::format_to(
       out,
       "plane {{ z, {:.6g} pigment {{ rgb <0.47,0.49,0.52> }} finish {{ ambient 0.03 diffuse 0.75 }} }}\n",
@@ -154,60 +137,11 @@ void addSpot(std::string& text, const Scene& scene, const Viewpoint& view) {
       vec(spot + Vector3d(0, 0, 9.0 * px)), 16.0 * px);
 }
 
-// The point of line[first … last] that lies farthest from the chord between these two, and how far.
-std::pair<std::size_t, double> farthestFromChord(const std::vector<Vector3d>& line, std::size_t first,
-                                                 std::size_t last) {
-  const Vector3d chord = line[last] - line[first];
-  std::pair<std::size_t, double> worst{first, 0.0};
-  for (std::size_t i = first + 1; i < last; ++i) {
-    const Vector3d q = line[i] - line[first];
-    const double along =
-        chord.squaredNorm() > 0 ? std::clamp(q.dot(chord) / chord.squaredNorm(), 0.0, 1.0) : 0.0;
-    const double off = (q - along * chord).norm();
-    if (off > worst.second) worst = {i, off};
-  }
-  return worst;
-}
-
-// Drops points that lie within `tolerance` of the chord (Douglas and Peucker 1973). A stack instead of calls:
-// a spiral splits as often as it has points.
-std::vector<Vector3d> thinned(const std::vector<Vector3d>& line, double tolerance) {
-  std::vector<Vector3d> kept{line.front()};
-  std::vector<std::size_t> ends{line.size() - 1};
-  std::size_t first = 0;
-  while (!ends.empty()) {
-    const auto [at, off] = farthestFromChord(line, first, ends.back());
-    if (off > tolerance) {
-      ends.push_back(at);
-    } else {
-      first = ends.back();
-      ends.pop_back();
-      kept.push_back(line[first]);
-    }
-  }
-  return kept;
-}
-
-// How large a pixel is where the line comes nearest to the eye; nothing where all of it lies behind.
-std::optional<double> finestPixel_mm(const std::vector<Vector3d>& line, const Viewpoint& view) {
-  std::optional<double> finest;
-  for (const Vector3d& p : line) {
-    const double px = view.pixel_mm(p);
-    if (px > 0 && (!finest || px < *finest)) finest = px;
-  }
-  return finest;
-}
-
 void addBurnt(std::string& text, const Scene& scene, const Viewpoint& view) {
-  constexpr double kKerf_mm = 0.105;  // Half the width of a usual kerf.
   const auto out = std::back_inserter(text);
-  for (const auto& line : scene.burnt) {
-    const std::optional<double> visible_mm = finestPixel_mm(line, view);
-    if (!visible_mm) continue;
-    // Near the eye's plane a pixel is as small as one likes; a tenth of the kerf is fine enough.
-    const double px = std::max(*visible_mm, 0.1 * kKerf_mm);
-    const std::vector<Vector3d> kept = thinned(line, 0.3 * px);
-    const double radius = std::max(kKerf_mm, 0.75 * px);
+  for (const BurntLine& line : burntLines(scene, view)) {
+    const std::vector<Vector3d>& kept = line.points_W_mm;
+    const double radius = line.radius_mm;
     fmt::format_to(out, "union {{\n");
     for (std::size_t i = 0; i + 1 < kept.size(); ++i) {
       fmt::format_to(out, " sphere {{ {}, {:.6g} }}", vec(kept[i]), radius);

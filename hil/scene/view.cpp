@@ -54,6 +54,32 @@ Viewpoint Viewpoint::around(const std::vector<Eigen::Vector3d>& points_W_mm, con
   return view;
 }
 
+Viewpoint Viewpoint::from(const Eigen::Vector3d& place_mm, const std::vector<Eigen::Vector3d>& points_W_mm,
+                          int side_px, double share) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : points_W_mm) box.extend(point);
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  if (!box.isEmpty()) direction = box.center() - place_mm;
+  const Eigen::Vector3d sideways = direction.cross(Eigen::Vector3d::UnitZ());
+  if (side_px < 1 || !(share > 0 && share <= 1) || !(sideways.norm() > 1e-9 * direction.norm()))
+    throw std::invalid_argument("Viewpoint: nothing to look at, or it is straight above or below");
+  Viewpoint view;
+  view.width_px_ = view.height_px_ = side_px;
+  view.place_mm_ = place_mm;
+  view.forward_ = direction.normalized();
+  view.right_ = sideways.normalized();
+  view.up_ = view.right_.cross(view.forward_);
+  for (const Eigen::Vector3d& point : points_W_mm) {
+    const Eigen::Vector3d q = point - place_mm;
+    const double depth = q.dot(view.forward_);
+    if (!(depth > 0)) throw std::invalid_argument("Viewpoint: a point is not in front of it");
+    const double aside = std::max(std::abs(q.dot(view.right_)), std::abs(q.dot(view.up_)));
+    view.half_width_tan_ = std::max(view.half_width_tan_, aside / depth / share);
+  }
+  if (!(view.half_width_tan_ > 0)) throw std::invalid_argument("Viewpoint: a single point has no size");
+  return view;
+}
+
 std::optional<Eigen::Vector2d> Viewpoint::project(const Eigen::Vector3d& p_W_mm) const {
   const Eigen::Vector3d q = p_W_mm - place_mm_;
   const double depth = q.dot(forward_);

@@ -19,6 +19,12 @@ class Viewpoint {
   static Viewpoint around(const std::vector<Eigen::Vector3d>& points_W_mm, const Eigen::Vector3d& direction,
                           int width_px, int height_px, double share = 0.94, double right_free = 0.0);
 
+  /// Looks from `place_mm` at the middle of points, which fill `share` of a square picture, in (0, 1].
+  /// @throws std::invalid_argument for no points, a size of no pixels, points that are not in front of it, or
+  /// straight above or below it.
+  static Viewpoint from(const Eigen::Vector3d& place_mm, const std::vector<Eigen::Vector3d>& points_W_mm,
+                        int side_px, double share);
+
   [[nodiscard]] const Eigen::Vector3d& place_mm() const { return place_mm_; }
   [[nodiscard]] const Eigen::Vector3d& right() const { return right_; }
   [[nodiscard]] const Eigen::Vector3d& up() const { return up_; }

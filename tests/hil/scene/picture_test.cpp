@@ -17,6 +17,7 @@
 
 #include "hil/base/png_codec.h"
 #include "hil/scene/pov_text.h"
+#include "tests/hil/scene/example_scene.h"
 #include "twin/scene/scene.h"
 
 namespace kerfbench::scene {
@@ -26,21 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth = 200;
 constexpr int kHeight = 130;
-
-twin::Scene sceneWithBeam(bool on) {
-  twin::MachineDescription machine;
-  machine.name = "two";
-  machine.controller.field_min_mm = {-80, -80};
-  machine.controller.field_max_mm = {80, 80};
-  machine.belt.print_mark_sensor.x_mm = -150;
-  twin::MachinePose pose;
-  pose.mirror_rad = {0.03, -0.02};
-  twin::SceneContent content;
-  content.beam_on = on;
-  content.unit_S_mm = Eigen::AlignedBox2d(Eigen::Vector2d(-70, -70), Eigen::Vector2d(70, 70));
-  content.burnt_S_mm = {{{-60, -40}, {60, -40}}};
-  return twin::sceneOf(machine, {}, pose, content);
-}
 
 PictureOptions small(SceneView view = SceneView::kOverall) {
   PictureOptions options;

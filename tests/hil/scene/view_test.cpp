@@ -62,6 +62,29 @@ TEST(Viewpoint, WhatIsBehindIsNotSeen) {
   EXPECT_FALSE(view.project(view.place_mm() - view.forward()));
 }
 
+TEST(Viewpoint, FromAPlaceAllPointsAreWithinTheShareAndOneTouchesIt) {
+  const Vector3d place(900, -1200, 1500);
+  const Viewpoint view = Viewpoint::from(place, kPoints, 500, 0.8);
+  EXPECT_EQ(view.place_mm(), place);
+  double fullest = 0.0;
+  for (const Vector3d& point : kPoints) {
+    const auto p = view.project(point);
+    ASSERT_TRUE(p);
+    fullest = std::max(fullest, ((*p - Vector2d(249.5, 249.5)) / 250.0).cwiseAbs().maxCoeff());
+  }
+  EXPECT_NEAR(fullest, 0.8, 1e-9);
+}
+
+TEST(Viewpoint, FromAPlaceRefusesWhatItCannotSee) {
+  const Vector3d place(900, -1200, 1500);
+  EXPECT_THROW(Viewpoint::from(place, {}, 500, 0.8), std::invalid_argument);
+  EXPECT_THROW(Viewpoint::from(place, {place - Vector3d(0, 0, 10)}, 500, 0.8), std::invalid_argument);
+  EXPECT_THROW(Viewpoint::from(place, {kPoints[0]}, 500, 0.8), std::invalid_argument);
+  EXPECT_THROW(Viewpoint::from(place, {kPoints[0], 2.0 * place}, 500, 0.8), std::invalid_argument);
+  EXPECT_THROW(Viewpoint::from(place, kPoints, 0, 0.8), std::invalid_argument);
+  EXPECT_THROW(Viewpoint::from(place, kPoints, 500, 1.1), std::invalid_argument);
+}
+
 TEST(Viewpoint, RefusesNothingToLookAt) {
   EXPECT_THROW(Viewpoint::around({}, {0, 1, 0}, 640, 400), std::invalid_argument);
   EXPECT_THROW(Viewpoint::around(kPoints, {0, 0, -1}, 640, 400), std::invalid_argument);
