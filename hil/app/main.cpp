@@ -3,11 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "hil/app/ci_variable.h"
 #include "hil/app/cli.h"
 #include "hil/app/instrument_program.h"
 #include "hil/app/lint_command.h"
@@ -31,6 +33,7 @@ std::shared_ptr<judge::RunOptions> commonOptions(const CliProgram& program) {
   options->bin_dir = program.bin_dir;
   options->command_line = program.command_line;
   options->jobs = program.jobs;
+  options->pictures = !isCi(std::getenv("CI"));
   return options;
 }
 
@@ -59,8 +62,12 @@ void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
       ->capture_default_str();
   command.add_flag("--quiet,-q", options.quiet, "Only the verdict");
   command.add_flag("--timing", options.timing, "Say where the time went");
-  command.add_flag("!--no-pictures", options.pictures,
-                   "No pictures of the machine in the report: saves a few seconds");
+  CLI::Option* const with = command.add_flag(
+      "--pictures", options.pictures,
+      "Pictures of the machine in the report: they are there unless the environment variable\n"
+      "CI is set, and neither empty nor false");
+  command.add_flag("!--no-pictures", options.pictures, "No pictures of the machine in the report")
+      ->excludes(with);
 }
 
 void addRun(CLI::App& app, const CliProgram& program, CliActions& actions) {

@@ -82,7 +82,7 @@ std::string writePins(const std::filesystem::path& folder, const scenario::Case&
   return sum;
 }
 
-void tell(const report::RunReport& report, const std::filesystem::path& folder, base::Console& console) {
+void tellVerdict(const report::RunReport& report, base::Console& console) {
   for (const inspect::Check& check : report.result.checks) console.say(checkLine(check));
   if (!report.model.lost_steps.empty()) console.result("  " + report::lostStepsSentence(report.model));
   if (const std::string stop = report::stopSentence(report.result); !stop.empty())
@@ -95,6 +95,10 @@ void tell(const report::RunReport& report, const std::filesystem::path& folder, 
   const std::string but = report::reservationsLine(report);
   console.result(fmt::format("{}: {}{}", report.scenario, inspect::verdictName(report.result.verdict),
                              but.empty() ? "" : " (" + but + ")"));
+}
+
+void tellReport(const report::RunReport& report, const std::filesystem::path& folder,
+                base::Console& console) {
   console.say(fmt::format("report: {}", (folder / "report.html").string()));
   console.say(fmt::format("digest: {}", report::digestOf(report)));
   console.say(fmt::format("inputs: {}", report::inputsDigestOf(report)));
@@ -130,6 +134,8 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
   report.evidence.insert(report.evidence.begin(),
                          {"pins", writePins(folder.staging(), test_case, run, conclusion)});
   stopwatch.lap("recording of the pins");
+  // Nobody waits for pictures and report: all that is judged is known.
+  tellVerdict(report, console);
   if (options.pictures) {
     std::string trouble;
     report.pictures = writeMachinePictures(conclusion.machine->film(), test_case, conclusion.sampled->machine,
@@ -145,7 +151,7 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
   folder.commit();
   stopwatch.lap("report");
 
-  tell(report, folder.place(), console);
+  tellReport(report, folder.place(), console);
   if (options.timing) tellTiming(stopwatch, report.virtual_s, console);
   return inspect::exitCode(report.result.verdict);
 }

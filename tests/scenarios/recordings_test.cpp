@@ -22,8 +22,8 @@ std::string digestOf(const std::filesystem::path& results) { return verdictOf(re
 TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
   const ScratchFolder scratch;
   const std::string scenario = fixture("scenarios/short-lines.yaml").string();
-  const auto one = kerfbench(
-      fmt::format("run '{}' -q --jobs 1 --results-dir '{}/one'", scenario, scratch.path().string()));
+  const auto one = kerfbench(fmt::format("run '{}' -q --jobs 1 --pictures --results-dir '{}/one'", scenario,
+                                         scratch.path().string()));
   const auto two = kerfbench(fmt::format("run '{}' -q --jobs 2 --no-pictures --results-dir '{}/two'",
                                          scenario, scratch.path().string()));
   ASSERT_EQ(one.exit_code, 0) << one.output;
