@@ -56,7 +56,8 @@ bool writePng(Writer& writer, PngEffort effort) {
     png_set_compression_level(png, 1);
     png_set_compression_strategy(png, 3);  // Z_RLE.
   } else {
-    png_set_compression_level(png, 9);
+    // Level 9 takes eight times as long, for pictures that are a twentieth smaller.
+    png_set_compression_level(png, 6);
     png_set_compression_strategy(png, 0);  // Z_DEFAULT_STRATEGY.
   }
   png_set_IHDR(png, writer.info, static_cast<png_uint_32>(picture.width_px),

@@ -29,7 +29,7 @@ struct PngView {
 
 enum class PngEffort {
   kQuick,  ///< Each row less its left neighbours, runs alone: for folders of many tiles.
-  kSmall,  ///< The best filter for each row, zlib's level 9: for what a report or a guide shows.
+  kSmall,  ///< The best filter for each row, zlib's level 6: for what a report or a guide shows.
 };
 
 enum class PngColours {
