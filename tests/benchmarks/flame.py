@@ -87,8 +87,9 @@ def svg_of(stacks, title):
            '<rect width="100%" height="100%" fill="#fff"/>', f'<text x="4" y="18" font-size="13">{html.escape(title)}</text>']
     for x, depth, share, name in boxes:
         left, top, width = WIDTH * x, 26 + ROW * depth, WIDTH * share
-        shown = name if 6.2 * len(name) < width - 6 else name.split("::")[-1]
-        text = shown if 6.2 * len(shown) < width - 6 else ""
+        letters = int((width - 6) / 6.2)
+        shown = name if len(name) <= letters else name.split("::")[-1]
+        text = shown if len(shown) <= letters else shown[:letters - 1] + "…" if letters > 4 else ""
         out.append(f'<g><title>{html.escape(name)}: {100 * share:.1f} %</title><rect x="{left:.1f}" y="{top}" width="{width:.1f}" '
                    f'height="{ROW - 1}" fill="{COLOURS[sum(map(ord, name)) % len(COLOURS)]}" stroke="#fff" stroke-width="0.5"/>'
                    + (f'<text x="{left + 3:.1f}" y="{top + 12}">{html.escape(text)}</text>' if text else "") + "</g>")

@@ -6,7 +6,8 @@ Whole runs are timed as processes, with all that they start; what is inside of o
 A row has the median of the repeats and, in brackets, the least and the most of them. Nothing else should run meanwhile.
 
 --table writes all rows as a Markdown table. --json keeps the figures, and --against such a file says what has become slower than
-it was then by more than both spread. Exit code: 0 done, 1 with --against: something is slower, 2 a program broke, 64 usage.
+it was then by more than both spread. --page measures all, and how cost grows with a job's size, and writes docs/explanation/speed.md
+with its plots; with --against it says what each row was before. Exit code: 0 done, 1 with --against: something is slower, 2 a program broke, 64 usage.
 """
 import argparse
 import collections
@@ -22,6 +23,9 @@ import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "tests", "figures"))
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import flame  # noqa: E402
+import growth  # noqa: E402
 import stamp  # noqa: E402
 
 SCENARIOS = os.path.join(ROOT, "fixtures", "scenarios")
@@ -170,24 +174,73 @@ def ratio(row):
     return own / other if row.own.better == "more" else other / own
 
 
-def line_of(row):
+def line_of(row, before=None):
     cells = [row.name, f"{row.own.what}: {said(row.own)}"]
+    if before is not None:
+        cells.append(said(row.own._replace(values=before[row.name]["values"])) if row.name in before else "")
     cells += ["", ""] if row.other is None else [f"{row.other.what}: {said(row.other)}", f"{ratio(row):.3g}"]
     return cells
 
 
-def table_of(rows, repeats):
+def processor():
     with open("/proc/cpuinfo", encoding="utf-8") as file:
-        cpu = next((line.split(":", 1)[1].strip() for line in file if line.startswith("model name")), "an unknown processor")
+        return next((line.split(":", 1)[1].strip() for line in file if line.startswith("model name")), "an unknown processor")
+
+
+def table_of(rows, repeats, before=None):
     commit = (stamp.git("show", "-s", "--format=%h of %cs", "HEAD") or b"unknown").decode().strip()
+    titles = ["what", "the bench", *([] if before is None else ["before"]), "otherwise", "×"]
     lines = ["Each row is measured beside what one would otherwise run, on the same computer. Whole runs go from the "
              "drawing to the report, with the fast twin and without pictures of the machine, on all processors; the job on the "
              "machine takes its own time. A figure is the median of its repeats, with the least and the most of them; × is how "
              "many times better the bench is.", "",
-             f"Commit {commit}, {os.cpu_count()} processors, {cpu}; {repeats} repeats.", "",
-             "| what | the bench | otherwise | × |", "|---|---|---|---|"]
-    lines += [f"| {' | '.join(line_of(row))} |" for row in rows]
+             f"Commit {commit}, {os.cpu_count()} processors, {processor()}; {repeats} repeats.", "",
+             f"| {' | '.join(titles)} |", "|" + "---|" * len(titles)]
+    lines += [f"| {' | '.join(line_of(row, before))} |" for row in rows]
     return "\n".join(lines + [""])
+
+
+PAGE = """<!-- SPDX-License-Identifier: Apache-2.0 -->
+# How fast the bench is
+
+`./bench benchmark --page` rewrites this page. It needs a quiet computer.
+
+{table}
+{before}
+## Where the time goes
+
+A box is as wide as the share of the processor's time that went into a function and into all that it calls. The lowest boxes do the work.
+`kerfbench-avr` is the emulated controller, a process of its own.
+
+![Flame graph of a run of label-on-belt](speed-flame.svg)
+
+## How cost grows
+
+Both axes are logarithmic. Beside each curve stands the power of the size with which it grows over the larger sizes: 1 is in proportion.
+
+{plots}
+"""
+
+
+def page_of(rows, repeats, before, before_commit, plots):
+    told = f"\n*Before* is commit {before_commit}, on the same computer.\n" if before is not None else ""
+    shown = "\n".join(f"![{plot.title}](speed-{plot.name}.svg)\n" for plot in plots)
+    return PAGE.format(table=table_of(rows, repeats, before), before=told, plots=shown.rstrip("\n"))
+
+
+def write_page(args, rows, before, kept):
+    folder = os.path.join(ROOT, "docs", "explanation")
+    kerfbench = os.path.join(args.build, "bin", "kerfbench")
+    with tempfile.TemporaryDirectory(prefix="kerfbench-speed-") as scratch:
+        print("benchmark: growth", file=sys.stderr, flush=True)
+        plots = growth.plots(process, kerfbench, SCENARIOS, scratch)
+        print("benchmark: flame graph", file=sys.stderr, flush=True)
+        stacks = flame.stacks_of(flame.sampled([kerfbench, "run", os.path.join(SCENARIOS, "label-on-belt.yaml"), "--twin", "fast",
+                                                "--no-pictures", "--results-dir", scratch]))
+    for plot in plots:
+        stamp.write(os.path.join(folder, f"speed-{plot.name}.svg"), growth.svg_of(plot))
+    stamp.write(os.path.join(folder, "speed-flame.svg"), flame.svg_of(stacks, f"label-on-belt: {len(stacks)} samples"))
+    stamp.write(os.path.join(folder, "speed.md"), page_of(rows, args.repeats, before, kept.get("commit", "unknown"), plots))
 
 
 def slower(rows, before):
@@ -212,6 +265,7 @@ def parsed():
                         help="these parts: " + ", ".join(PARTS))
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="of each figure; default 5")
     parser.add_argument("--table", metavar="FILE", help="write the rows as a Markdown table")
+    parser.add_argument("--page", action="store_true", help="rewrite docs/explanation/speed.md")
     parser.add_argument("--json", metavar="FILE", help="keep the figures")
     parser.add_argument("--against", metavar="FILE", help="figures kept earlier, on the same computer")
     try:
@@ -239,16 +293,21 @@ def measured(args):
 def main():
     args = parsed()
     try:
-        before = None
+        kept = {}
         if args.against:
             with open(args.against, encoding="utf-8") as file:
-                before = json.load(file)
+                kept = json.load(file)
+        before = kept["rows"] if kept else None
         rows = measured(args)
         if args.json:
-            stamp.write(args.json, json.dumps({row.name: row.own._asdict() for row in rows}, indent=1) + "\n")
+            commit = (stamp.git("show", "-s", "--format=%h of %cs", "HEAD") or b"unknown").decode().strip()
+            stamp.write(args.json, json.dumps({"commit": commit, "rows": {row.name: row.own._asdict() for row in rows}}, indent=1)
+                        + "\n")
+        if args.page:
+            write_page(args, rows, before, kept)
         if args.table:
             stamp.write(args.table, table_of(rows, args.repeats))
-    except (Broken, OSError, ValueError) as error:
+    except (Broken, KeyError, OSError, RuntimeError, ValueError, subprocess.CalledProcessError) as error:
         print(f"benchmark: {error}", file=sys.stderr)
         return 2
     found = slower(rows, before) if before is not None else []

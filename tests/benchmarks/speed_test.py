@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What speed.py makes of figures; what it measures is no test's business."""
 import os
+import re
 import sys
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import flame  # noqa: E402
+import growth  # noqa: E402
 import speed  # noqa: E402
 
 
@@ -46,6 +49,65 @@ class Table(unittest.TestCase):
         self.assertIn("| row | it: 2 (1 … 3) ms | it: 4 ms | 2 |", page)
         self.assertIn("| row | it: 0.125 ms |  |  |", page)
         self.assertIn("3 repeats", page)
+
+
+    def test_says_what_a_row_was_before(self):
+        page = speed.table_of([row([3.0]), row([1.0])._replace(name="new")], 1, {"row": {"values": [6.0]}})
+        self.assertIn("| row | it: 3 ms | 6 ms |  |  |", page)
+        self.assertIn("| new | it: 1 ms |  |  |  |", page)
+
+
+class Growth(unittest.TestCase):
+    def test_is_told_by_the_larger_sizes(self):
+        flat_then_square = growth.Curve("it", "s", (1, 10, 100, 1000), [100.0, 100.0, 100.0, 10000.0])
+        self.assertAlmostEqual(growth.slope(flat_then_square), 2.0)
+        self.assertAlmostEqual(growth.slope(growth.Curve("it", "s", (1, 10, 100), [2.0, 20.0, 200.0])), 1.0)
+
+    def test_lines_are_as_many_as_asked_for_and_lie_apart(self):
+        drawing = growth.square_of_lines(10)
+        starts = re.findall(r"M([\d.]+),([\d.]+) v", drawing)
+        self.assertEqual(len(set(starts)), 10)
+        self.assertIn('width="12.0mm"', drawing)
+
+    def test_plot_holds_all_points_and_both_slopes(self):
+        curves = [growth.Curve("a", "s", (1, 10), [1.0, 10.0]), growth.Curve("b", "MiB", (1, 10), [5.0, 5.0])]
+        svg = growth.svg_of(growth.Plot("x", "title", "sizes", curves))
+        self.assertEqual(svg.count("<circle"), 4)
+        self.assertIn("size^1.00", svg)
+        self.assertIn("size^0.00", svg)
+
+
+SAMPLES = """kerfbench
+\t           1111 kerfbench::vision::(anonymous namespace)::fit<double, 3>
+\t           2222 kerfbench::vision::trackSpot
+\t           3333 std::__invoke_impl<void>
+\tffffffffffffffff [unknown]
+
+kerfbench
+\tffffffff815fbe3f do_wp_page
+\tffffffff816051c0 handle_mm_fault
+\t           2222 kerfbench::vision::trackSpot
+
+kerfbench-avr
+\t           4444 avr_run_one
+"""
+
+
+class Flame(unittest.TestCase):
+    def test_reads_stacks_from_the_program_down(self):
+        self.assertEqual(flame.stacks_of(SAMPLES), [["kerfbench", "vision::trackSpot", "vision::fit"],
+                                                    ["kerfbench", "vision::trackSpot", "the kernel"],
+                                                    ["kerfbench-avr", "avr_run_one"]])
+
+    def test_boxes_are_as_wide_as_their_share(self):
+        boxes = {name: (round(x, 3), depth, round(share, 3))
+                 for x, depth, share, name in flame.boxes_of(flame.tree_of(flame.stacks_of(SAMPLES)), 3)}
+        self.assertEqual(boxes["kerfbench"], (0.0, 0, 0.667))
+        self.assertEqual(boxes["vision::trackSpot"], (0.0, 1, 0.667))
+        self.assertEqual(boxes["avr_run_one"], (0.667, 1, 0.333))
+
+    def test_names_can_do_nothing_in_the_picture(self):
+        self.assertNotIn("<b>", flame.svg_of([["a<b>c"]], "<b>"))
 
 
 class Process(unittest.TestCase):
