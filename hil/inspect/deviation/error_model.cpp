@@ -55,12 +55,30 @@ class SharedErrors {
   }
 
   [[nodiscard]] Eigen::Index tiles() const { return 2 * static_cast<Eigen::Index>(tile_columns_.size()); }
-  [[nodiscard]] Eigen::Index columns() const {
-    return ReadingLine::kOwn + tiles() + field_.modes() + ReadingLine::kScale + ReadingLine::kSight;
+  /// Columns of what all units have in common but for the tiles.
+  [[nodiscard]] Eigen::Index camera() const {
+    return field_.modes() + ReadingLine::kScale + ReadingLine::kSight;
   }
+  /// Fills tiles and shared of a line whose readings are known.
+  void addTo(const vision::EntityKerf& kerf, const dieline::Curve& curve, ReadingLine& line) const {
+    for (const std::size_t caliper : line.caliper) {
+      const auto tile = tile_columns_.find({kerf.unit, kerf.calipers[caliper].tile});
+      if (tile == tile_columns_.end() || std::ranges::find(line.tiles, tile->second) != line.tiles.end())
+        continue;
+      line.tiles.push_back(tile->second);
+      line.tiles.push_back(tile->second + 1);
+    }
+    line.shared.resize(static_cast<Eigen::Index>(line.size()),
+                       ReadingLine::kOwn + line.tileColumns() + camera());
+    for (std::size_t i = 0; i < line.size(); ++i)
+      line.shared.row(static_cast<Eigen::Index>(i)) = of(kerf, curve, kerf.calipers[line.caliper[i]], line);
+  }
+
+ private:
   [[nodiscard]] Eigen::RowVectorXd of(const vision::EntityKerf& kerf, const dieline::Curve& curve,
-                                      const vision::Caliper& c) const {
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(columns());
+                                      const vision::Caliper& c, const ReadingLine& line) const {
+    const Eigen::Index behind_tiles = ReadingLine::kOwn + line.tileColumns();
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(behind_tiles + camera());
     row[ReadingLine::directionOf(dieline::tangentAt(curve, c.u))] = c.steady_sigma_mm;
     const auto place =
         std::ranges::find_if(poses_, [&](const Place& p) { return p.pose->unit == kerf.unit; });
@@ -73,11 +91,13 @@ class SharedErrors {
     const Eigen::RowVector3d by_pose(normal.x(), normal.y(), normal.dot(Eigen::Vector2d(-arm.y(), arm.x())));
     row.segment<ReadingLine::kPose>(ReadingLine::kLine) = by_pose * place->root;
     const auto tile = tile_columns_.find({kerf.unit, c.tile});
-    if (tile != tile_columns_.end())
-      row.segment<2>(ReadingLine::kOwn + tile->second) = table_sigma_mm_ * normal.transpose();
+    if (tile != tile_columns_.end()) {
+      const auto own = std::ranges::find(line.tiles, tile->second) - line.tiles.begin();
+      row.segment<2>(ReadingLine::kOwn + own) = table_sigma_mm_ * normal.transpose();
+    }
     for (Eigen::Index k = 0; k < field_.modes(); ++k)
-      row[ReadingLine::kOwn + tiles() + k] = normal.dot(field_.at(k, c.p_V_mm));
-    row[ReadingLine::kOwn + tiles() + field_.modes()] =
+      row[behind_tiles + k] = normal.dot(field_.at(k, c.p_V_mm));
+    row[behind_tiles + field_.modes()] =
         scale_sigma_ * normal.dot(R_TS * (c.p_S_mm - place->pose->marks_centre_S_mm));
     const double unsquare_mm = 0.5 * kerf.deepest_mm() * camera_.square_within_rad;
     row.tail<ReadingLine::kSight>() << kerf.depth_sigma_mm * normal.dot(camera_.sightSlope(c.p_V_mm)),
@@ -85,7 +105,6 @@ class SharedErrors {
     return row;
   }
 
- private:
   struct Place {
     const vision::UnitPose* pose;
     Eigen::Matrix3d root;
@@ -192,7 +211,7 @@ ErrorModel errorModelOf(const Evidence& evidence) {
   if (evidence.kerf_calibration) model.estimator_mm = kEstimatorPx * evidence.kerf_calibration->pitchMm();
   const SharedErrors shared(evidence, field);
   model.tiles = shared.tiles();
-  model.modes = shared.columns() - ReadingLine::kOwn;
+  model.modes = shared.tiles() + shared.camera();
   for (std::size_t k = 0; k < evidence.kerf.entities.size(); ++k) {
     const vision::EntityKerf& kerf = evidence.kerf.entities[k];
     const dieline::Curve& curve = evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)].curve;
@@ -209,11 +228,7 @@ ErrorModel errorModelOf(const Evidence& evidence) {
       line.sigma_mm.push_back(noiseOf(c));
     }
     line.segment.push_back(line.size());
-    line.tiles = shared.tiles();
-    line.shared.resize(static_cast<Eigen::Index>(line.size()), shared.columns());
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      line.shared.row(static_cast<Eigen::Index>(i)) = shared.of(kerf, curve, kerf.calipers[line.caliper[i]]);
-    }
+    shared.addTo(kerf, curve, line);
     model.lines.push_back(std::move(line));
   }
   model.correlation_mm = correlationLength(evidence.kerf, model.lines);

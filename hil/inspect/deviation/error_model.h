@@ -37,12 +37,15 @@ struct ReadingLine {
   std::vector<double> reading_mm;
   std::vector<double> sigma_mm;  ///< Standard deviation of the noise.
   std::vector<std::size_t>
-      segment;             ///< First reading of each run of neighbouring stations; ends with size().
-  double q{};              ///< Correlation of the noise of two neighbouring stations, 0 … 0.95.
-  Eigen::Index tiles{};    ///< Columns of the tiles of all units.
+      segment;  ///< First reading of each run of neighbouring stations; ends with size().
+  double q{};   ///< Correlation of the noise of two neighbouring stations, 0 … 0.95.
+  /// Columns of the tiles that its readings come from, each by its place among ErrorModel::tiles: of a web of
+  /// many units a line knows two or three tiles.
+  std::vector<Eigen::Index> tiles;
   Eigen::MatrixXd shared;  ///< Readings x (kOwn + tiles + modes of the camera + kScale + kSight), mm.
 
   [[nodiscard]] std::size_t size() const { return reading_mm.size(); }
+  [[nodiscard]] Eigen::Index tileColumns() const { return static_cast<Eigen::Index>(tiles.size()); }
   /// Whether two readings share the table's error.
   [[nodiscard]] bool sameTile(std::size_t a, std::size_t b) const {
     return tile.empty() || tile[a] == tile[b];

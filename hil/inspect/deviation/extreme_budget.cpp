@@ -109,25 +109,34 @@ struct Largest {
 /// How the places of the shared errors of one line lie in those of all.
 class SharedIndex {
  public:
-  explicit SharedIndex(const std::vector<ExtremeLine>& lines) {
+  SharedIndex(const std::vector<ExtremeLine>& lines, Eigen::Index tiles) : tiles_(tiles) {
     for (const ExtremeLine& line : lines) {
       place_.try_emplace(line.unit, static_cast<Eigen::Index>(place_.size()) * ReadingLine::kPose);
-      if (!line.points.empty()) modes_ = line.points.front().shared.size() - ReadingLine::kOwn;
+      if (!line.points.empty())
+        camera_ = line.points.front().shared.size() - ReadingLine::kOwn - tilesOf(line);
     }
   }
   [[nodiscard]] Eigen::Index poses() const {
     return static_cast<Eigen::Index>(place_.size()) * ReadingLine::kPose;
   }
-  [[nodiscard]] Eigen::RowVectorXd spread(int unit, const Eigen::RowVectorXd& own) const {
-    Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(poses() + modes_);
-    all.segment<ReadingLine::kPose>(place_.at(unit)) = own.segment<ReadingLine::kPose>(ReadingLine::kLine);
-    all.tail(modes_) = own.tail(modes_);
+  [[nodiscard]] Eigen::RowVectorXd spread(const ExtremeLine& line, const Eigen::RowVectorXd& own) const {
+    Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(poses() + tiles_ + camera_);
+    all.segment<ReadingLine::kPose>(place_.at(line.unit)) =
+        own.segment<ReadingLine::kPose>(ReadingLine::kLine);
+    for (std::size_t k = 0; k < line.tiles.size(); ++k)
+      all[poses() + line.tiles[k]] = own[ReadingLine::kOwn + static_cast<Eigen::Index>(k)];
+    all.tail(camera_) = own.tail(camera_);
     return all;
   }
 
  private:
+  static Eigen::Index tilesOf(const ExtremeLine& line) {
+    return static_cast<Eigen::Index>(line.tiles.size());
+  }
+
   std::map<int, Eigen::Index> place_;
-  Eigen::Index modes_{};
+  Eigen::Index tiles_;
+  Eigen::Index camera_{};
 };
 
 /// The farthest that one line goes to one side, its left (sign 1) or its right (-1); nullopt if it stays
@@ -162,7 +171,7 @@ std::optional<Largest> farthestToSide(const ExtremeLine& line, double sign, doub
   Eigen::RowVectorXd shared = Eigen::RowVectorXd::Zero(line.points.front().shared.size());
   for (const Side& s : sides) shared += sign * hazard(s, median) / total * s.point->shared;
   return Largest{mean, std::max(square - mean * mean, 0.0) + shared.squaredNorm(),
-                 index.spread(line.unit, shared)};
+                 index.spread(line, shared)};
 }
 
 /// The larger of two (Clark 1961).
@@ -247,7 +256,7 @@ ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index 
       floor = std::max(floor, std::abs(p.seen) - kFar * std::hypot(p.sigma, p.shared.norm()));
     }
   }
-  const SharedIndex index(lines);
+  const SharedIndex index(lines, tiles);
   std::vector<Largest> candidates;
   for (const ExtremeLine& line : lines) {
     for (const double sign : {1.0, -1.0}) {

@@ -20,6 +20,7 @@ struct ExtremePoint {
 /// A line, or the part of one that lies in one tile.
 struct ExtremeLine {
   int unit{};
+  std::vector<Eigen::Index> tiles;  ///< ReadingLine::tiles.
   std::vector<ExtremePoint> points;
 };
 
@@ -45,7 +46,7 @@ struct ExtremeBudget {
 /// which are correlated, has the moments that Clark (1961, eqs. 2 to 5) gives for two, one after the other.
 /// Over the two directions of the shared errors that move most the result is integrated, for opposite
 /// sides part by them.
-/// `tiles` is ReadingLine::tiles.
+/// `tiles` is ErrorModel::tiles.
 ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles = 0);
 
 }  // namespace kerfbench::inspect

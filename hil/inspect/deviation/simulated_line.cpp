@@ -161,7 +161,7 @@ double SimulatedLine::errorShareAt(std::size_t reading) const {
   const double noise = std::pow(smoother_.sigma(reading, level[reading]), 2);
   // The camera's errors move all alike.
   const double shared = line_.shared.row(static_cast<Eigen::Index>(reading))
-                            .head(ReadingLine::kOwn + line_.tiles)
+                            .head(ReadingLine::kOwn + line_.tileColumns())
                             .squaredNorm();
   return noise + shared > 0.0 ? (noise_share * noise + shared) / (noise + shared) : 1.0;
 }

@@ -213,7 +213,12 @@ class Batch {
       return normalsOf(own_, static_cast<std::uint64_t>(ReadingLine::kLine) * line + k);
     const auto unit = static_cast<std::uint64_t>(model_.lines[line].unit);
     if (column < ReadingLine::kOwn) return normalsOf(pose_, 3 * unit + k - ReadingLine::kLine);
-    return camera_[static_cast<std::size_t>(column - ReadingLine::kOwn)];
+    const Eigen::Index behind_own = column - ReadingLine::kOwn;
+    const std::vector<Eigen::Index>& tiles = model_.lines[line].tiles;
+    const Eigen::Index place = behind_own < model_.lines[line].tileColumns()
+                                   ? tiles[static_cast<std::size_t>(behind_own)]
+                                   : behind_own - model_.lines[line].tileColumns() + model_.tiles;
+    return camera_[static_cast<std::size_t>(place)];
   }
 
   const ErrorModel& model_;
@@ -273,11 +278,11 @@ ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>
     const ReadingLine& line = model.lines[l];
     const SimulatedLine& simulated = lines[l];
     const std::vector<double> seen_mm = simulated.seen();
-    extremes.push_back({line.unit, {}});
+    extremes.push_back({line.unit, line.tiles, {}});
     for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
       for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i) {
         const bool next_tile = i > 0 && !line.sameTile(i, i - 1);
-        if (next_tile) extremes.push_back({line.unit, {}});
+        if (next_tile) extremes.push_back({line.unit, line.tiles, {}});
         const bool first = i == line.segment[s] || next_tile;
         extremes.back().points.push_back(
             {.likely = simulated.likely_mm[i],

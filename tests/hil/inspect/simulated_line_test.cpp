@@ -79,11 +79,11 @@ TEST(SimulatedLine, NeighboursShareNoiseButNotAcrossAGap) {
 TEST(SimulatedLine, HoldsAllThatTheUnitAndItsTilesShareAndAShareOfTheNoise) {
   ReadingLine line = lineWithAGap();
   for (std::size_t i = 0; i < kFewReadings; ++i) line.reading_mm[i] = i % 3 == 0 ? 0.02 : -0.01;
-  line.tiles = 2;
-  line.shared.setZero(kFewReadings, ReadingLine::kOwn + line.tiles + 1);
+  line.tiles = {0, 1};
+  line.shared.setZero(kFewReadings, ReadingLine::kOwn + line.tileColumns() + 1);
   line.shared.col(ReadingLine::kLine).setConstant(0.02);
   line.shared.col(ReadingLine::kOwn).setConstant(0.01);
-  line.shared.col(ReadingLine::kOwn + line.tiles)
+  line.shared.col(ReadingLine::kOwn + line.tileColumns())
       .setConstant(0.5);  // The camera's, which all lines have alike.
   const SimulatedLine simulated(line, LineKind{});
   ASSERT_GT(simulated.noise_share, 0.1);

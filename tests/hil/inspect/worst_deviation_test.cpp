@@ -27,6 +27,7 @@ Eigen::RowVectorXd errors(double pose_mm, double camera_mm) {
 
 ExtremeLine oneReading(int unit, double seen_mm, double pose_mm, double camera_mm) {
   return {unit,
+          {},
           {{.likely = seen_mm,
             .seen = seen_mm,
             .sigma = 0.0005,
@@ -48,6 +49,7 @@ TEST(ExtremeBudget, OfALineThatStandsOutIsThatOfThatLine) {
 
 TEST(ExtremeBudget, TellsPoseTableAndCameraApart) {
   ExtremeLine line = oneReading(0, 0.1, 0.0, 0.0);
+  line.tiles = {0};
   Eigen::RowVectorXd& shared = line.points[0].shared;
   shared = Eigen::RowVectorXd::Zero(ReadingLine::kOwn + 1 + kModes);
   shared[ReadingLine::kLine] = 0.004;
@@ -57,6 +59,21 @@ TEST(ExtremeBudget, TellsPoseTableAndCameraApart) {
   EXPECT_NEAR(budget.u_pose, 0.004, 1e-5);
   EXPECT_NEAR(budget.u_table, 0.002, 1e-5);
   EXPECT_NEAR(budget.u_camera, 0.001, 1e-5);
+}
+
+TEST(ExtremeBudget, LinesInOneTileMoveTogetherAndThoseInOthersDoNot) {
+  const auto bias = [](Eigen::Index other_tile) {
+    const auto line = [](Eigen::Index tile) {
+      ExtremeLine one = oneReading(0, 0.1, 0.0, 0.0);
+      one.tiles = {tile};
+      one.points[0].shared = Eigen::RowVectorXd::Zero(ReadingLine::kOwn + 1 + kModes);
+      one.points[0].shared[ReadingLine::kOwn] = 0.004;
+      return one;
+    };
+    return extremeBudget({line(3), line(other_tile)}, 8).extreme_bias;
+  };
+  EXPECT_NEAR(bias(5), std::hypot(0.004, 0.0005) / std::sqrt(std::numbers::pi), 2e-5);
+  EXPECT_NEAR(bias(3), 0.0005 / std::sqrt(std::numbers::pi), 2e-5);
 }
 
 TEST(ExtremeBudget, OneReadingAloneIsNormal) {
@@ -201,7 +218,8 @@ TEST(WorstDeviation, WhatALineShowsInTwoTilesCompetes) {
   constexpr double kTable_mm = 0.004;
   ErrorModel model = oneLine(2, 0.0, 0.0002);
   ReadingLine& line = model.lines[0];
-  model.tiles = model.modes = line.tiles = 4;
+  model.tiles = model.modes = 4;
+  line.tiles = {0, 1, 2, 3};
   line.shared = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(line.size()), ReadingLine::kOwn + 4);
   for (std::size_t i = 0; i < line.size(); ++i) {
     line.reading_mm[i] += 0.1;
