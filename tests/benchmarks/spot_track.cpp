@@ -163,7 +163,7 @@ SpotTrack twinTrack(const Stretch& stretch, twin::Fidelity fidelity) {
   }
   SpotTrack track;
   for (int k = 0; (k + 1) * kSample_s <= stretch.length_s + 1e-12; ++k) {
-    model.step(k * kSample_s);
+    model.run(static_cast<std::uint64_t>(k), 1);
     track.push_back(model.spot().value().p_WQ_mm);
   }
   return track;

@@ -118,7 +118,7 @@ LineSlip lineSlip(const twin::MachineDescription& machine, double share, twin::F
   twin::MachineModel model(machine, web, fidelity);
   std::vector<double> belt_mm{0.0};
   for (long long i = 0; i < std::llround(kEnd_s / kStep_s); ++i) {
-    model.step(static_cast<double>(i) * kStep_s);
+    model.run(static_cast<std::uint64_t>(i), 1);
     belt_mm.push_back(model.pose().belt_travel_mm);
   }
   LineSlip slip;

@@ -87,7 +87,7 @@ double StripLine::emit(double begin_s) {
 void StripLine::step() {
   const double begin_s = time_s();
   const double energy_j = emit(begin_s);
-  model_.step(begin_s);
+  model_.run(steps_, 1);
   ++steps_;
   // The spot costs as much as the dynamics, and outside of the strip it is not needed.
   const double y = StripController::sense(number_) * model_.pose().gantry_mm.y();

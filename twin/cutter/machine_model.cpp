@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "twin/cutter/machine_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -25,11 +26,6 @@ std::optional<ScanHead> headOf(const MachineDescription& machine) {
 
 }  // namespace
 
-void MachineModel::Motion::follow(double speed_now_mm_s) {
-  acceleration_mm_s2 = (speed_now_mm_s - speed_mm_s) / kStep_s;
-  speed_mm_s = speed_now_mm_s;
-}
-
 MachineModel::MachineModel(const MachineDescription& machine, const WebDescription& web, Fidelity fidelity)
     : machine_(mechanismOf(machine, web)),
       gantry_(machine.kind == MachineDescription::Kind::kGantry),
@@ -43,7 +39,7 @@ MachineModel::MachineModel(const MachineDescription& machine, const WebDescripti
       commands_{commandOf(machine_, Axis::kGalvoX), commandOf(machine_, Axis::kGalvoY),
                 commandOf(machine_, Axis::kGantryX), commandOf(machine_, Axis::kGantryY),
                 commandOf(machine_, Axis::kFeed)},
-      inputs_(machine_.description.drives.size()) {
+      fidelity_(fidelity) {
   const auto mechanism = std::make_shared<const Mechanism>(machine_.description);
   for (const StepperLaw& law : mechanism->law().steppers) {
     watches_.push_back({law.input, law.joint, law.pitch(), law.offset, 0});
@@ -53,36 +49,77 @@ MachineModel::MachineModel(const MachineDescription& machine, const WebDescripti
   } else {
     solver_ = std::make_unique<ReferenceSolver>(mechanism, kStep_s);
   }
-  if (machine_.line_drive) inputs_.back().end = lineCommand_rad(0.0);
-  followMotion();
-  roller_.acceleration_mm_s2 = sheet_.acceleration_mm_s2 = 0.0;
+  if (machine_.line_drive) line_rad_ = lineCommand_rad(0.0);
+  note();
 }
 
 double MachineModel::lineCommand_rad(double time_s) const {
   return line_.travel_mm(time_s - machine_.line_delay_s) / roller_radius_mm_;
 }
 
-void MachineModel::step(double begin_s) {
-  for (std::size_t i = 0; i < machine_.pulse_drives.size(); ++i) {
-    const MachineMechanism::PulseDrive& drive = machine_.pulse_drives[i];
-    const double input_time_s = begin_s - drive.input_delay_s;
-    const double mean = command(drive.axis).meanOver(input_time_s, input_time_s + kStep_s);
-    inputs_[i] = {mean, mean, mean};
+void MachineModel::run(std::uint64_t first, std::uint64_t steps) {
+  // Teeth are counted after each step, and the last step is made alone, for its accelerations.
+  constexpr std::uint64_t kMostAtOnce = 64;
+  const std::uint64_t most = watches_.empty() ? kMostAtOnce : 1;
+  const std::uint64_t end = first + steps;
+  while (first < end) {
+    const auto now = static_cast<std::size_t>(first + 1 == end ? 1 : std::min(most, end - 1 - first));
+    if (first + 1 == end) note();
+    makeInputs(first, now);
+    solver_->run(static_cast<double>(first) * kStep_s, now, inputs_);
+    first += now;
+    time_s_ = static_cast<double>(first - 1) * kStep_s + kStep_s;
+    watchTeeth();
   }
-  if (machine_.line_drive) {
-    DriveCommand& line = inputs_.back();
-    line = {line.end, lineCommand_rad(begin_s + 0.5 * kStep_s), lineCommand_rad(begin_s + kStep_s)};
-  }
-  solver_->step(begin_s, inputs_);
-  time_s_ = begin_s + kStep_s;
-  followMotion();
-  watchTeeth();
 }
 
-void MachineModel::followMotion() {
+void MachineModel::makeInputs(std::uint64_t first, std::size_t steps) {
+  const std::size_t drives = machine_.description.drives.size();
+  inputs_.resize(std::max(inputs_.size(), steps * drives));
+  for (std::size_t i = 0; i < machine_.pulse_drives.size(); ++i) {
+    const MachineMechanism::PulseDrive& drive = machine_.pulse_drives[i];
+    PulseCommand& pulses = command(drive.axis);
+    for (std::size_t k = 0; k < steps; ++k) {
+      const double input_time_s = static_cast<double>(first + k) * kStep_s - drive.input_delay_s;
+      const double mean = pulses.meanOver(input_time_s, input_time_s + kStep_s);
+      inputs_[k * drives + i] = {mean, mean, mean};
+    }
+  }
+  if (!machine_.line_drive) return;
+  for (std::size_t k = 0; k < steps; ++k) {
+    const double begin_s = static_cast<double>(first + k) * kStep_s;
+    const double end_rad = lineCommand_rad(begin_s + kStep_s);
+    // Only the reference takes the line's command for bent within a step.
+    const bool bent = fidelity_ == Fidelity::kReference;
+    const double middle_rad = bent ? lineCommand_rad(begin_s + 0.5 * kStep_s) : 0.5 * (line_rad_ + end_rad);
+    inputs_[(k + 1) * drives - 1] = {line_rad_, middle_rad, end_rad};
+    line_rad_ = end_rad;
+  }
+}
+
+void MachineModel::note() {
+  before_.roller_mm_s = rollerSpeed_mm_s();
+  before_.sheet_mm_s = sheetSpeed_mm_s();
+  if (gantry_) before_.gantry_mm = pose().gantry_mm;
+}
+
+double MachineModel::rollerSpeed_mm_s() const { return solver_->v()[machine_.roller] * roller_radius_mm_; }
+
+double MachineModel::rollerAcceleration_mm_s2() const {
+  return (rollerSpeed_mm_s() - before_.roller_mm_s) / kStep_s;
+}
+
+double MachineModel::sheetSpeed_mm_s() const {
   const auto v = solver_->v();
-  roller_.follow(v[machine_.roller] * roller_radius_mm_);
-  sheet_.follow((v[machine_.belt] + v[machine_.sheet_x]) * kMetre_mm);
+  return (v[machine_.belt] + v[machine_.sheet_x]) * kMetre_mm;
+}
+
+double MachineModel::sheetAcceleration_mm_s2() const {
+  return (sheetSpeed_mm_s() - before_.sheet_mm_s) / kStep_s;
+}
+
+Eigen::Vector2d MachineModel::gantrySpeed_mm_s() const {
+  return (pose().gantry_mm - before_.gantry_mm) / kStep_s;
 }
 
 void MachineModel::watchTeeth() {

@@ -33,29 +33,32 @@ class MachineModel {
 
   /// Command that an axis's pulses write to.
   [[nodiscard]] PulseCommand& command(Axis axis) { return commands_[static_cast<std::size_t>(axis)]; }
-  /// Makes one step from `begin_s`, the end of the last; every pulse before its end must be in the commands.
-  /// @throws DivergenceError with time and joint.
-  void step(double begin_s);
+  /// Makes steps first, first + 1, …: step i is [i, i + 1] * kStep_s, and steps follow one another. Every
+  /// pulse before their end must be in the commands. Many steps at once cost less than one by one, and come
+  /// to the same. @throws DivergenceError with time and joint.
+  void run(std::uint64_t first, std::uint64_t steps);
 
   // The functions below give the state at the end of the last step.
 
   [[nodiscard]] MachinePose pose() const;
   /// Speed of the roller's surface, as the encoder sees it; accelerations are means over the last step.
-  [[nodiscard]] double rollerSpeed_mm_s() const { return roller_.speed_mm_s; }
-  [[nodiscard]] double rollerAcceleration_mm_s2() const { return roller_.acceleration_mm_s2; }
+  [[nodiscard]] double rollerSpeed_mm_s() const;
+  [[nodiscard]] double rollerAcceleration_mm_s2() const;
   /// Speed of the board, slip on the belt included, as the mark sensor and the beam see it.
-  [[nodiscard]] double sheetSpeed_mm_s() const { return sheet_.speed_mm_s; }
-  [[nodiscard]] double sheetAcceleration_mm_s2() const { return sheet_.acceleration_mm_s2; }
+  [[nodiscard]] double sheetSpeed_mm_s() const;
+  [[nodiscard]] double sheetAcceleration_mm_s2() const;
+  /// Speed of the gantry, mean over the last step.
+  [[nodiscard]] Eigen::Vector2d gantrySpeed_mm_s() const;
   /// Place where the beam meets the board's surface; nullopt when it misses it.
   [[nodiscard]] std::optional<BeamSpot> spot() const;
   /// All lost steps so far, by time; by axis if within the same 10 us.
   [[nodiscard]] const std::vector<LostSteps>& lostSteps() const { return lost_; }
 
  private:
-  struct Motion {
-    double speed_mm_s{};
-    double acceleration_mm_s2{};
-    void follow(double speed_now_mm_s);
+  /// What the accelerations, and the speed of a gantry, are told from.
+  struct Before {
+    double roller_mm_s{}, sheet_mm_s{};
+    Eigen::Vector2d gantry_mm{Eigen::Vector2d::Zero()};
   };
   /// Tooth of a stepper's rotor, relative to the one it began with.
   struct ToothWatch {
@@ -67,8 +70,9 @@ class MachineModel {
   };
 
   [[nodiscard]] double lineCommand_rad(double time_s) const;
+  void makeInputs(std::uint64_t first, std::size_t steps);
+  void note();
   void watchTeeth();
-  void followMotion();
 
   MachineMechanism machine_;
   bool gantry_;
@@ -79,12 +83,14 @@ class MachineModel {
   Surface surface_;
   std::optional<ScanHead> head_;
   std::array<PulseCommand, kAxisCount> commands_;
+  Fidelity fidelity_;
   std::unique_ptr<Solver> solver_;
-  std::vector<DriveCommand> inputs_;
+  double line_rad_{};                 ///< Command of the line's drive at the end of the last step.
+  std::vector<DriveCommand> inputs_;  ///< Commands of each drive for the first step of a run, then the next, …
   std::vector<ToothWatch> watches_;
   std::vector<LostSteps> lost_;
   double time_s_{0.0};
-  Motion roller_, sheet_;
+  Before before_;  ///< State before the last step.
 };
 
 }  // namespace kerfbench::twin

@@ -60,8 +60,7 @@ Twin::Twin(const MachineDescription& machine, const WebDescription& web, TickRat
       mark_sensor_(rate, machine.belt.print_mark_sensor, web.print, firstMarkTravel_mm(machine, web),
                    options.seed),
       limits_(rate, machine.travel_min_mm, machine.travel_max_mm),
-      monitor_(rate, machine.power_monitor),
-      gantry_before_mm_(model_.pose().gantry_mm) {}
+      monitor_(rate, machine.power_monitor) {}
 
 double Twin::longestQuantum_s() const {
   // The last step of the machine ends up to a step before now.
@@ -86,7 +85,7 @@ std::vector<SensorEdge> Twin::predictSensors(Tick until) {
                                 model_.sheetAcceleration_mm_s2()),
                        until, edges);
   if (machine_.kind == MachineDescription::Kind::kGantry) {
-    const Eigen::Vector2d speed_mm_s = (pose.gantry_mm - gantry_before_mm_) / MachineModel::kStep_s;
+    const Eigen::Vector2d speed_mm_s = model_.gantrySpeed_mm_s();
     limits_.predict({forecast(pose.gantry_mm.x(), speed_mm_s.x(), 0.0),
                      forecast(pose.gantry_mm.y(), speed_mm_s.y(), 0.0)},
                     until, edges);
@@ -110,10 +109,14 @@ void Twin::advance(Tick until, std::span<const PinEvent> events) {
   pins_.settle(until, model_);
   // Only whole steps are made: the remainder belongs to the next quantum, so that quanta leave no trace.
   const std::uint64_t end = wholeSteps(until);
-  while (steps_ < end) {
-    if (steps_ + 1 == end) gantry_before_mm_ = model_.pose().gantry_mm;
-    stepMachine();
-  }
+  while (steps_ < end) stepMachine();
+  runModel();
+}
+
+void Twin::runModel() {
+  if (model_steps_ == steps_) return;
+  model_.run(model_steps_, steps_ - model_steps_);
+  model_steps_ = steps_;
 }
 
 void Twin::stepMachine() {
@@ -124,11 +127,10 @@ void Twin::stepMachine() {
   const bool parts = !emissions_.empty() && !whole;
   if (burner_.chordOpen() && !whole) closeChord();
   // The beam's place costs as much as half of the dynamics: it is not computed while the beam is dark or amid
-  // a chord.
+  // a chord. Until somebody asks for it the moving parts are left behind: they run faster many steps at once.
   View before;
   if (exposing || parts) before = view();
   if (whole && !burner_.chordOpen()) openChord();
-  model_.step(begin_s);
   ++steps_;
   if (burner_.chordOpen() && burner_.add(emissions_[0].energy_j)) closeChord();
   if (parts) burnParts(before, view());
@@ -139,6 +141,7 @@ void Twin::emit(double begin_s) {
   emissions_.clear();
   const double input_time_s = begin_s - machine_.laser.gate_delay_s;
   const double end_s = input_time_s + MachineModel::kStep_s;
+  if (!gate_open_ && laser_.dark() && pins_.gateEdges().front_s() >= end_s) return;
   double from_s = input_time_s;
   // A step in which the gate changes is divided there, so that its energy falls where the beam was.
   for (EdgeQueue& edges = pins_.gateEdges(); edges.front_s() < end_s; edges.pop()) {
@@ -169,6 +172,7 @@ void Twin::emitPart(double input_time_s, double from_s, double to_s) {
 
 const Twin::View& Twin::view() {
   if (viewed_step_ == steps_) return view_;
+  runModel();
   const MachinePose pose = model_.pose();
   view_ = {model_.spot(),
            {web_.start_x_mm + pose.belt_travel_mm + pose.sheet_slip_mm.x(), pose.sheet_slip_mm.y()}};

@@ -84,9 +84,10 @@ class Twin {
   };
 
   void stepMachine();
+  void runModel();  ///< Brings the moving parts, which lag behind while nobody looks, to steps_.
   void emit(double begin_s);
   void emitPart(double input_time_s, double from_s, double to_s);
-  const View& view();  ///< Beam and web at the end of the last step.
+  const View& view();  ///< Beam and web after steps_ steps.
   void openChord();
   void closeChord();
   void burnParts(const View& before, const View& after);
@@ -103,6 +104,7 @@ class Twin {
   Tick now_{0};
   std::uint64_t steps_{0};  ///< Number of machine steps since t = 0.
   MachineModel model_;
+  std::uint64_t model_steps_{0};  ///< Number of steps that the model has made; steps_ after each advance().
   PinDecoder pins_;
   Laser laser_;
   Burner burner_;
@@ -112,8 +114,7 @@ class Twin {
   PrintMarkSensor mark_sensor_;
   LimitSwitches limits_;
   PowerMonitor monitor_;
-  bool predicting_{false};            ///< True once predictSensors() was called.
-  Eigen::Vector2d gantry_before_mm_;  ///< Place of the gantry one step ago.
+  bool predicting_{false};  ///< True once predictSensors() was called.
 
   bool gate_open_{false};            ///< State of the gate as it reaches the laser, after the gate delay.
   std::vector<Emission> emissions_;  ///< Emissions of the present step.

@@ -56,6 +56,8 @@ class Laser {
   double step(double gate, double duty, double begin_s, double step_s);
   /// Runs a tube without a gate of its own: `demand` is the duty, and the gate is open.
   double step(double demand, double begin_s, double step_s) { return step(1.0, demand, begin_s, step_s); }
+  /// True if a step with a shut gate emits nothing and leaves the tube as it is, so that it need not be made.
+  [[nodiscard]] bool dark() const { return steady_w_ == 0.0 && description_.demand_filter_s == 0.0; }
   [[nodiscard]] double power_w() const { return power_w_; }  ///< Power at the end of the last step.
 
  private:

@@ -18,7 +18,8 @@ class FastSolver final : public Solver {
   /// large.
   FastSolver(std::shared_ptr<const Mechanism> mechanism, double step_s);
 
-  void step(double begin_s, std::span<const DriveCommand> commands) override;
+  /// Runs part by part, each through all steps: they have nothing to do with each other.
+  void run(double begin_s, std::size_t steps, std::span<const DriveCommand> commands) override;
 
   [[nodiscard]] std::span<const double> q() const override { return q_; }
   [[nodiscard]] std::span<const double> v() const override { return v_; }
@@ -26,11 +27,12 @@ class FastSolver final : public Solver {
   [[nodiscard]] std::uint64_t halved() const;
 
  private:
-  void gather();
+  void gather(const PartFlow& flow);
 
   std::shared_ptr<const Mechanism> mechanism_;
   double step_s_;
   std::vector<PartFlow> parts_;
+  std::vector<std::size_t> made_;  ///< Steps of the last run that each part made; scratch.
   std::vector<double> q_, v_;
 };
 

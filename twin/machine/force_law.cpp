@@ -163,24 +163,41 @@ void ForceLaw::evaluate(const double* x, const double* u, double* force, double*
   }
 }
 
-void ForceLaw::observe(const double* x, const double* u, Piece* pieces) const {
+template <typename Each>
+void ForceLaw::forEachPiece(const double* x, const double* u, const Each& each) const {
   const double* q = x;
   const double* v = x + joints;
   const double* aux = v + joints;
-  for (const SpringLaw& s : springs) *pieces++ = static_cast<Piece>(s.half_play > 0 ? touching(s, q, v) : 0);
-  for (const FrictionLaw& f : frictions) *pieces++ = static_cast<Piece>(f.limit > 0 ? sliding(f, v, aux) : 0);
-  for (const ServoLaw& s : servos) {
-    if (!s.limited) {
-      *pieces++ = 0;
-      *pieces++ = 0;
-      continue;
-    }
-    double speed = speedWanted(s, q[s.joint], u[s.input], filtered(s, aux, u[s.input]));
-    const int speed_side = sideOf(speed, s.max_speed);
-    if (speed_side != 0) speed = speed_side * s.max_speed;
-    *pieces++ = static_cast<Piece>(speed_side);
-    *pieces++ = static_cast<Piece>(sideOf(s.torque_per_speed * (speed - v[s.joint]), s.max_torque));
+  for (const SpringLaw& s : springs) {
+    if (!each(s.half_play > 0 ? touching(s, q, v) : 0)) return;
   }
+  for (const FrictionLaw& f : frictions) {
+    if (!each(f.limit > 0 ? sliding(f, v, aux) : 0)) return;
+  }
+  for (const ServoLaw& s : servos) {
+    int speed_side = 0;
+    int torque_side = 0;
+    if (s.limited) {
+      double speed = speedWanted(s, q[s.joint], u[s.input], filtered(s, aux, u[s.input]));
+      speed_side = sideOf(speed, s.max_speed);
+      if (speed_side != 0) speed = speed_side * s.max_speed;
+      torque_side = sideOf(s.torque_per_speed * (speed - v[s.joint]), s.max_torque);
+    }
+    if (!each(speed_side) || !each(torque_side)) return;
+  }
+}
+
+void ForceLaw::observe(const double* x, const double* u, Piece* pieces) const {
+  forEachPiece(x, u, [&pieces](int piece) {
+    *pieces++ = static_cast<Piece>(piece);
+    return true;
+  });
+}
+
+bool ForceLaw::isIn(const double* x, const double* u, const Piece* pieces) const {
+  bool all = true;
+  forEachPiece(x, u, [&](int piece) { return all = piece == *pieces++; });
+  return all;
 }
 
 void ForceLaw::evaluateAffine(const double* x, const double* u, const Piece* pieces, double* force,

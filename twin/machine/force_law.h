@@ -102,11 +102,18 @@ class ForceLaw {
   void evaluate(const double* x, const double* u, double* force, double* rate) const;
   /// Finds the piece that each element is in.
   void observe(const double* x, const double* u, Piece* pieces) const;
+  /// True if each element is in its piece of these.
+  [[nodiscard]] bool isIn(const double* x, const double* u, const Piece* pieces) const;
   /// Computes as evaluate(), but in these pieces whatever the state is, and with the springs of the steppers
   /// in place of their fields: affine in x and u. Not for pieces where isAffine() is false.
   void evaluateAffine(const double* x, const double* u, const Piece* pieces, double* force,
                       double* rate) const;
   [[nodiscard]] bool isAffine(const Piece* pieces) const;
+
+ private:
+  /// Calls each(piece) for one element after the other, until it returns false.
+  template <typename Each>
+  void forEachPiece(const double* x, const double* u, const Each& each) const;
 };
 
 }  // namespace kerfbench::twin

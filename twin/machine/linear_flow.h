@@ -29,10 +29,13 @@ class LinearFlow {
   void addRamp(std::size_t input, double ramp, double* next) const { add(ramp_, input, ramp, next); }
   void addBend(std::size_t input, double bend, double* next) const { add(bend_, input, bend, next); }
 
-  static constexpr int kRows = 8;  ///< Rows are padded to a multiple of this.
+  static constexpr std::size_t kRows = 4;  ///< Rows are padded to a multiple of this.
   static constexpr std::size_t kMostRows = 32;
 
  private:
+  /// Rows [first, first + kBlocks * kRows) of advance().
+  template <std::size_t kBlocks>
+  void advanceRows(std::size_t first, const double* state_and_inputs, double* next) const;
   void add(const std::vector<double>& columns, std::size_t input, double value, double* next) const;
 
   std::size_t states_, padded_, columns_;

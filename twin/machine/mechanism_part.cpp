@@ -99,6 +99,7 @@ class PartMaker {
     }
     for (std::size_t i = 0; i < n; ++i) {
       part_.start.push_back(whole_start_[whole_.joints + part_.joints[i]]);
+      part_.most_speeds.push_back(mechanism.mostSpeeds()[part_.joints[i]]);
       const double weight = mechanism.gravity()[at(part_.joints[i])];
       if (weight != 0) part_.law.constants.push_back({i, weight});
     }

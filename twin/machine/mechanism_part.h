@@ -14,7 +14,8 @@ struct MechanismPart {
   std::vector<std::size_t> drives;  ///< Inputs in the numbering of the whole, ascending.
   ForceLaw law;                     ///< Forces within the part, with the part's own indices.
   Eigen::MatrixXd inverse_mass;
-  std::vector<double> start;  ///< State at t = 0.
+  std::vector<double> start;        ///< State at t = 0.
+  std::vector<double> most_speeds;  ///< Largest plausible speed of each joint.
 };
 
 /// Splits a mechanism into its parts, ordered by their first joint. Joints that nothing can ever move, such

@@ -6,12 +6,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "twin/base/constants.h"
+
 namespace kerfbench::twin {
 namespace {
 
-// Number of pieces, -2 … 2 of each element: a regime's key counts them as digits.
-constexpr std::uint64_t kPieces = 5;
-constexpr std::size_t kMostDigits = 27;
 constexpr std::size_t kMostSteppers = 4;
 constexpr int kRungeKuttaHalvings = 3;  // Runge-Kutta takes stretches of step / 8 or shorter.
 
@@ -21,21 +20,20 @@ PartFlow::PartFlow(MechanismPart part, double step_s)
     : part_(std::move(part)),
       step_s_(step_s),
       states_(part_.law.stateSize()),
-      state_(part_.start),
-      u_from_(part_.law.inputs, 0.0),
-      u_to_(u_from_),
-      u_begin_(u_from_),
-      u_end_(u_from_),
+      u_begin_(part_.law.inputs, 0.0),
+      u_end_(part_.law.inputs, kNan),  // No command is as before the first step.
       pieces_(part_.law.pieceCount(), 0),
       stage_(states_, 0.0),
       force_(part_.law.joints, 0.0),
       u_stage_(part_.law.inputs, 0.0) {
   findKinks();
-  if (kinks_.size() > kMostDigits || part_.law.steppers.size() > kMostSteppers)
-    throw std::invalid_argument("PartFlow: too many elements");
+  if (part_.law.steppers.size() > kMostSteppers) throw std::invalid_argument("PartFlow: too many steppers");
   const std::size_t columns = states_ + 1 + part_.law.inputs + part_.law.steppers.size();
-  state_.resize(std::max(columns, LinearFlow::kMostRows), 0.0);
-  next_ = state_;
+  const std::size_t room = std::max(columns, LinearFlow::kMostRows);
+  memory_.assign(2 * room, 0.0);
+  state_ = memory_.data();
+  next_ = state_ + room;
+  std::ranges::copy(part_.start, state_);
   rates_.fill(std::vector<double>(states_, 0.0));
   for (const StepperLaw& stepper : part_.law.steppers) teeth_.push_back({stepper.pitch(), 0});
 }
@@ -68,55 +66,34 @@ void PartFlow::findKinks() {
   kink_pieces_.assign(kinks_.size(), 0);
 }
 
-std::uint64_t PartFlow::regimeAt(const double* x, const double* u) {
-  if (kinks_.empty()) return 0;
+bool PartFlow::staysAt(const double* x, const double* u) const {
+  return kinked_.isIn(x, u, regime_->pieces.data());
+}
+
+PartFlow::Regime& PartFlow::regimeAt(const double* x, const double* u) {
   kinked_.observe(x, u, kink_pieces_.data());
-  std::uint64_t key = 0;
-  for (const ForceLaw::Piece piece : kink_pieces_) {
-    key = kPieces * key + static_cast<std::uint64_t>(piece + 2);
-  }
-  return key;
-}
-
-std::uint64_t PartFlow::regimeNow() {
-  // A stretch ends where the next begins; only pulses between them may change the regime.
-  if (u_key_ != u_begin_ || u_key_.empty()) {
-    key_ = regimeAt(state_.data(), u_begin_.data());
-    u_key_ = u_begin_;
-  }
-  return key_;
-}
-
-PartFlow::Regime& PartFlow::regimeOf(std::uint64_t key) {
-  if (last_ != nullptr && last_->key == key) return *last_;
-  const auto known = std::ranges::find_if(regimes_, [key](const auto& r) { return r->key == key; });
-  if (known != regimes_.end()) {
-    last_ = known->get();
-    return *last_;
-  }
+  const auto known = std::ranges::find_if(regimes_, [&](const auto& r) { return r->pieces == kink_pieces_; });
+  if (known != regimes_.end()) return **known;
   regimes_.push_back(std::make_unique<Regime>());
-  last_ = regimes_.back().get();
-  last_->key = key;
-  setPieces(key);
-  last_->affine = part_.law.isAffine(pieces_.data());
-  return *last_;
+  Regime& regime = *regimes_.back();
+  regime.pieces = kink_pieces_;
+  setPieces(regime);
+  regime.affine = part_.law.isAffine(pieces_.data());
+  return regime;
 }
 
-const LinearFlow* PartFlow::flowOf(std::uint64_t key, int halvings) {
-  Regime& regime = regimeOf(key);
-  if (!regime.affine) return nullptr;
-  std::unique_ptr<LinearFlow>& flow = regime.flows.at(static_cast<std::size_t>(halvings));
+const LinearFlow* PartFlow::flowOf(int halvings) {
+  if (!regime_->affine) return nullptr;
+  std::unique_ptr<LinearFlow>& flow = regime_->flows[static_cast<std::size_t>(halvings)];
   if (!flow) {
-    setPieces(key);
+    setPieces(*regime_);
     flow = makeFlow(std::ldexp(step_s_, -halvings));
   }
   return flow.get();
 }
 
-void PartFlow::setPieces(std::uint64_t key) {
-  for (std::size_t i = kinks_.size(); i-- > 0; key /= kPieces) {
-    pieces_[kinks_[i]] = static_cast<ForceLaw::Piece>(static_cast<int>(key % kPieces) - 2);
-  }
+void PartFlow::setPieces(const Regime& regime) {
+  for (std::size_t i = 0; i < kinks_.size(); ++i) pieces_[kinks_[i]] = regime.pieces[i];
 }
 
 std::unique_ptr<LinearFlow> PartFlow::makeFlow(double step_s) const {
@@ -172,60 +149,83 @@ void PartFlow::addFields(const LinearFlow& flow, double step_s) {
   }
   for (std::size_t i = 0; i < teeth_.size(); ++i) {
     const std::size_t input = 1 + part_.law.inputs + i;
-    flow.addRamp(input, ramp.at(i), next_.data());
-    flow.addBend(input, bend.at(i), next_.data());
+    flow.addRamp(input, ramp.at(i), next_);
+    flow.addBend(input, bend.at(i), next_);
   }
 }
 
-void PartFlow::step(std::span<const DriveCommand> commands) {
-  for (std::size_t i = 0; i < u_to_.size(); ++i) {
-    const DriveCommand& command = commands[part_.drives[i]];
-    u_from_[i] = u_begin_[i] = command.begin;
-    u_to_[i] = u_end_[i] = command.end;
+std::size_t PartFlow::run(std::size_t steps, std::span<const DriveCommand> commands, std::size_t drives) {
+  for (std::size_t k = 0; k < steps; ++k) {
+    step(commands.data() + k * drives);
+    if (!sane()) return k;
   }
-  advance({0.0, 0});
+  return steps;
+}
+
+bool PartFlow::sane() const {
+  for (std::size_t i = 0; i < part_.law.joints; ++i) {
+    // The condition is written so that NaN is beyond.
+    if (!(std::abs(v()[i]) <= part_.most_speeds[i]) || !std::isfinite(q()[i])) return false;
+  }
+  return true;
+}
+
+void PartFlow::step(const DriveCommand* commands) {
+  commands_ = commands;
+  bool moved = regime_ == nullptr;
+  for (std::size_t i = 0; i < part_.drives.size(); ++i) {
+    const DriveCommand& command = commands[part_.drives[i]];
+    moved = moved || command.begin != u_end_[i];
+    u_begin_[i] = command.begin;
+    u_end_[i] = command.end;
+  }
+  // A step begins where the last one ended; only pulses between them may change the regime.
+  if (moved && (regime_ == nullptr || !staysAt(state_, u_begin_.data()))) {
+    regime_ = &regimeAt(state_, u_begin_.data());
+  }
+  if (cross({0.0, 0})) return;
+  ++halved_;
+  crossInHalves({0.0, 0});
 }
 
 void PartFlow::commandsAt(double share, std::vector<double>& u) const {
   for (std::size_t i = 0; i < u.size(); ++i) {
-    u[i] = share == 1.0 ? u_to_[i] : u_from_[i] + share * (u_to_[i] - u_from_[i]);
+    const DriveCommand& command = commands_[part_.drives[i]];
+    u[i] = share == 1.0 ? command.end : command.begin + share * (command.end - command.begin);
   }
 }
 
-void PartFlow::advance(const Stretch& stretch) {
-  if (stretch.halvings > 0) {
-    commandsAt(stretch.from, u_begin_);
-    commandsAt(stretch.from + stretch.share(), u_end_);
-  }
-  const std::uint64_t before = regimeNow();
-  if (propagate(stretch, before)) {
-    const std::uint64_t after = regimeAt(next_.data(), u_end_.data());
-    if (after == before || stretch.halvings == kHalvings) {
-      state_.swap(next_);
-      key_ = after;
-      u_key_ = u_end_;
-      return;
-    }
-  }
-  if (stretch.halvings == 0) ++halved_;
-  const Stretch half{stretch.from, stretch.halvings + 1};
-  advance(half);
-  advance({half.from + half.share(), half.halvings});
+bool PartFlow::cross(const Stretch& stretch) {
+  if (!propagate(stretch)) return false;
+  const bool stays = staysAt(next_, u_end_.data());
+  if (!stays && stretch.halvings < kHalvings) return false;
+  std::swap(state_, next_);
+  if (!stays) regime_ = &regimeAt(state_, u_end_.data());
+  return true;
 }
 
-bool PartFlow::propagate(const Stretch& stretch, std::uint64_t key) {
-  const LinearFlow* const flow = flowOf(key, stretch.halvings);
+void PartFlow::crossInHalves(const Stretch& stretch) {
+  Stretch half{stretch.from, stretch.halvings + 1};
+  for (int i = 0; i < 2; ++i, half.from += half.share()) {
+    commandsAt(half.from, u_begin_);
+    commandsAt(half.from + half.share(), u_end_);
+    if (!cross(half)) crossInHalves(half);
+  }
+}
+
+bool PartFlow::propagate(const Stretch& stretch) {
+  const LinearFlow* const flow = flowOf(stretch.halvings);
   if (flow == nullptr) {
     if (stretch.halvings < kRungeKuttaHalvings) return false;
     rungeKutta(stretch);
     return true;
   }
   state_[states_] = 1.0;
-  std::ranges::copy(u_begin_, inputs());
+  for (std::size_t i = 0; i < u_begin_.size(); ++i) inputs()[i] = u_begin_[i];
   if (!teeth_.empty()) meetTeeth();
-  flow->advance(state_.data(), next_.data());
+  flow->advance(state_, next_);
   for (std::size_t i = 0; i < u_end_.size(); ++i) {
-    if (u_end_[i] != u_begin_[i]) flow->addRamp(1 + i, u_end_[i] - u_begin_[i], next_.data());
+    if (u_end_[i] != u_begin_[i]) flow->addRamp(1 + i, u_end_[i] - u_begin_[i], next_);
   }
   if (!teeth_.empty()) addFields(*flow, step_s_ * stretch.share());
   return true;
@@ -251,7 +251,7 @@ void PartFlow::rungeKutta(const Stretch& stretch) {
     for (std::size_t i = 0; i < states_; ++i) stage_[i] = state_[i] + by_s * from_rate[i];
   };
   commandsAt(stretch.from + 0.5 * stretch.share(), u_stage_);
-  rate(state_.data(), u_begin_.data(), rates_[0].data());
+  rate(state_, u_begin_.data(), rates_[0].data());
   stage(rates_[0], 0.5 * h);
   rate(stage_.data(), u_stage_.data(), rates_[1].data());
   stage(rates_[1], 0.5 * h);

@@ -29,11 +29,12 @@ class PartFlow {
   PartFlow(MechanismPart part, double step_s);
 
   [[nodiscard]] const MechanismPart& part() const { return part_; }
-  [[nodiscard]] const double* q() const { return state_.data(); }
-  [[nodiscard]] const double* v() const { return state_.data() + part_.law.joints; }
+  [[nodiscard]] const double* q() const { return state_; }
+  [[nodiscard]] const double* v() const { return state_ + part_.law.joints; }
 
-  /// Makes one step; `commands` are those of the whole mechanism.
-  void step(std::span<const DriveCommand> commands);
+  /// Makes steps, each with the next `drives` commands: those of the whole mechanism. Returns how many; fewer
+  /// than `steps` if the one after them diverges, see requireSane(): it is the last that was made.
+  std::size_t run(std::size_t steps, std::span<const DriveCommand> commands, std::size_t drives);
 
   /// Number of steps so far that were halved: each costs as much as a dozen others.
   [[nodiscard]] std::uint64_t halved() const { return halved_; }
@@ -43,8 +44,9 @@ class PartFlow {
     double pitch{};
     long long tooth{};  ///< Tooth about which the linear spring acts.
   };
+  /// Pieces of the elements with kinks, in which the part is linear.
   struct Regime {
-    std::uint64_t key{};
+    std::vector<ForceLaw::Piece> pieces;
     bool affine{};
     /// Flows by halvings of the step; made when needed.
     std::array<std::unique_ptr<LinearFlow>, kHalvings + 1> flows;
@@ -57,19 +59,24 @@ class PartFlow {
   };
 
   void findKinks();
-  /// Pieces as one number, see setPieces().
-  [[nodiscard]] std::uint64_t regimeAt(const double* x, const double* u);
-  [[nodiscard]] std::uint64_t regimeNow();
-  /// Flow of a regime; nullptr where the part is not affine.
-  const LinearFlow* flowOf(std::uint64_t key, int halvings);
-  Regime& regimeOf(std::uint64_t key);
-  void setPieces(std::uint64_t key);
+  /// Finds the regime of a state.
+  Regime& regimeAt(const double* x, const double* u);
+  /// True if a state is in the present regime.
+  [[nodiscard]] bool staysAt(const double* x, const double* u) const;
+  /// Flow of the present regime; nullptr where the part is not affine.
+  const LinearFlow* flowOf(int halvings);
+  void setPieces(const Regime& regime);
   [[nodiscard]] std::unique_ptr<LinearFlow> makeFlow(double step_s) const;
+  /// Commands at a share of the present step.
   void commandsAt(double share, std::vector<double>& u) const;
-  void advance(const Stretch& stretch);
+  void step(const DriveCommand* commands);
+  [[nodiscard]] bool sane() const;
+  /// Advances over a stretch at once; false if there is a kink in it and it can be halved.
+  bool cross(const Stretch& stretch);
+  void crossInHalves(const Stretch& stretch);
   /// Sets next_ to the state at the end of the stretch; false if that needs a shorter one.
-  bool propagate(const Stretch& stretch, std::uint64_t key);
-  [[nodiscard]] double* inputs() { return state_.data() + states_ + 1; }
+  bool propagate(const Stretch& stretch);
+  [[nodiscard]] double* inputs() { return state_ + states_ + 1; }
   [[nodiscard]] double* fields() { return inputs() + part_.law.inputs; }
   void meetTeeth();
   [[nodiscard]] double beyondSpring(const StepperLaw& law, double q, double v);
@@ -84,16 +91,16 @@ class PartFlow {
   std::vector<std::size_t> kinks_;  ///< Places of these elements' pieces among all pieces.
   /// State x, then the constant 1, commands, and the excess of the steppers' fields over their springs. A
   /// step ruins all after x in next_, and sets it anew in state_.
-  std::vector<double> state_, next_;
-  std::vector<double> u_from_, u_to_;    ///< Inputs at both ends of the step.
+  double* state_;
+  double* next_;
+  std::vector<double> memory_;       ///< Memory of the two.
+  const DriveCommand* commands_{nullptr};  ///< Commands of the present step.
   std::vector<double> u_begin_, u_end_;  ///< Inputs at both ends of the stretch.
-  std::uint64_t key_{};                  ///< Regime of the state with commands u_key_.
-  std::vector<double> u_key_;
   std::vector<Field> teeth_;
   /// Pieces of all elements, and of those with kinks; scratch.
   std::vector<ForceLaw::Piece> pieces_, kink_pieces_;
   std::vector<std::unique_ptr<Regime>> regimes_;
-  Regime* last_{nullptr};
+  Regime* regime_{nullptr};  ///< Regime of the state with commands u_end_.
   std::uint64_t halved_{0};
   // Scratch of Runge-Kutta.
   std::array<std::vector<double>, 4> rates_;

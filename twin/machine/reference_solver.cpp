@@ -53,8 +53,11 @@ void ReferenceSolver::laterRate(const std::vector<double>& x, const double* u, s
   for (std::size_t i = 0; i < n_; ++i) rate[n_ + i] = rates_[0][n_ + i] + delta_[i];
 }
 
-void ReferenceSolver::step(double begin_s, std::span<const DriveCommand> commands) {
-  stepBy(begin_s, step_s_, commands);
+void ReferenceSolver::run(double begin_s, std::size_t steps, std::span<const DriveCommand> commands) {
+  const std::size_t drives = mechanism_->law().inputs;
+  for (std::size_t k = 0; k < steps; ++k) {
+    stepBy(begin_s + static_cast<double>(k) * step_s_, step_s_, commands.subspan(k * drives, drives));
+  }
 }
 
 // Commands within a step: the parabola through begin, middle and end.

@@ -27,7 +27,7 @@ class ReferenceSolver final : public Solver {
   ReferenceSolver(std::shared_ptr<const Mechanism> mechanism, double step_s,
                   Accelerations accelerations = Accelerations::kOnceAStep);
 
-  void step(double begin_s, std::span<const DriveCommand> commands) override;
+  void run(double begin_s, std::size_t steps, std::span<const DriveCommand> commands) override;
   /// Makes a step of another length, not above the solver's own.
   void stepBy(double begin_s, double step_s, std::span<const DriveCommand> commands);
 

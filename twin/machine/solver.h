@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "twin/machine/mechanism.h"
@@ -12,9 +13,12 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
-  /// Makes one step from `begin_s`; one command for each drive, in the description's order.
-  /// @throws DivergenceError with the step's end and the joint whose numbers are out of bounds.
-  virtual void step(double begin_s, std::span<const DriveCommand> commands) = 0;
+  /// Makes `steps` steps from `begin_s`. `commands`: one for each drive, in the description's order, for the
+  /// first step, then for the second, …
+  /// @throws DivergenceError with a step's end and the joint whose numbers are out of bounds.
+  virtual void run(double begin_s, std::size_t steps, std::span<const DriveCommand> commands) = 0;
+  /// Makes one step.
+  void step(double begin_s, std::span<const DriveCommand> commands) { run(begin_s, 1, commands); }
 
   /// Joint positions and velocities at the end of the last step, rad or m and per second.
   [[nodiscard]] virtual std::span<const double> q() const = 0;

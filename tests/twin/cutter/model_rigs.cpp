@@ -36,7 +36,7 @@ void feed(MachineModel& model, Axis axis, const std::vector<StepEdge>& edges) {
 void runModel(MachineModel& model, double until_s, const std::function<void(double time_s)>& each) {
   const long long steps = std::llround(until_s / MachineModel::kStep_s);
   for (long long i = 0; i < steps; ++i) {
-    model.step(static_cast<double>(i) * MachineModel::kStep_s);
+    model.run(static_cast<std::uint64_t>(i), 1);
     if (each) each(static_cast<double>(i + 1) * MachineModel::kStep_s);
   }
 }

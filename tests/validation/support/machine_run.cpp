@@ -40,7 +40,7 @@ MachineRun runMachine(const twin::MachineDescription& machine, const twin::WebDe
   const auto steps = static_cast<long long>(std::ceil(end_s / kStep_s));
   const auto lead_steps = std::llround(lead_s / kStep_s);
   for (long long i = 0; i < steps; ++i) {
-    model.step(static_cast<double>(i) * kStep_s);
+    model.run(static_cast<std::uint64_t>(i), 1);
     if (i < lead_steps) continue;
     const auto spot = model.spot();
     run.time_s.push_back(static_cast<double>(i + 1 - lead_steps) * kStep_s);
