@@ -85,8 +85,9 @@ class MachineModel {
   std::array<PulseCommand, kAxisCount> commands_;
   Fidelity fidelity_;
   std::unique_ptr<Solver> solver_;
-  double line_rad_{};                 ///< Command of the line's drive at the end of the last step.
-  std::vector<DriveCommand> inputs_;  ///< Commands of each drive for the first step of a run, then the next, …
+  double line_rad_{};  ///< Command of the line's drive at the end of the last step.
+  std::vector<DriveCommand>
+      inputs_;  ///< Commands of each drive for the first step of a run, then the next, …
   std::vector<ToothWatch> watches_;
   std::vector<LostSteps> lost_;
   double time_s_{0.0};

@@ -13,8 +13,8 @@ namespace {
 /// Sums of neighbouring rows, in registers.
 using Rows = double __attribute__((vector_size(LinearFlow::kRows * sizeof(double))));
 
-// Scaling that makes rows and columns equally large (Osborne 1960): D⁻¹ M D with this diagonal D. Powers of two
-// cause no rounding.
+// Scaling that makes rows and columns equally large (Osborne 1960): D⁻¹ M D with this diagonal D. Powers of
+// two cause no rounding.
 Eigen::ArrayXd balancing(const Eigen::MatrixXd& matrix) {
   const Eigen::Index n = matrix.rows();
   const Eigen::MatrixXd sizes = matrix.cwiseAbs();

@@ -185,7 +185,28 @@ void PartFlow::step(const DriveCommand* commands) {
   }
   if (cross({0.0, 0})) return;
   ++halved_;
-  crossInHalves({0.0, 0});
+  crossInHalves({0.0, 0}, regime_->affine ? kinkPlace() : kNowhere);
+}
+
+double PartFlow::kinkPlace() {
+  constexpr int kStretches = 1 << kHalvings;
+  const std::size_t n = part_.law.joints;
+  int before = 0;
+  int after = kStretches;
+  while (after - before > 1) {
+    const int middle = (before + after) / 2;
+    const double share = static_cast<double>(middle) / kStretches;
+    for (std::size_t i = 0; i < states_; ++i) stage_[i] = state_[i] + share * (next_[i] - state_[i]);
+    // Positions bend: the cubic with the speeds at both ends.
+    for (std::size_t i = 0; i < n; ++i) {
+      const double mean = (next_[i] - state_[i]) / step_s_;
+      const double bend = (1.0 - share) * (state_[n + i] - mean) - share * (next_[n + i] - mean);
+      stage_[i] += step_s_ * share * (1.0 - share) * bend;
+    }
+    commandsAt(share, u_stage_);
+    (staysAt(stage_.data(), u_stage_.data()) ? before : after) = middle;
+  }
+  return (before + 0.5) / kStretches;
 }
 
 void PartFlow::commandsAt(double share, std::vector<double>& u) const {
@@ -204,12 +225,16 @@ bool PartFlow::cross(const Stretch& stretch) {
   return true;
 }
 
-void PartFlow::crossInHalves(const Stretch& stretch) {
+void PartFlow::crossInHalves(const Stretch& stretch, double aim) {
   Stretch half{stretch.from, stretch.halvings + 1};
   for (int i = 0; i < 2; ++i, half.from += half.share()) {
+    if (half.halvings < kHalvings && half.holds(aim)) {
+      crossInHalves(half, aim);
+      continue;
+    }
     commandsAt(half.from, u_begin_);
     commandsAt(half.from + half.share(), u_end_);
-    if (!cross(half)) crossInHalves(half);
+    if (!cross(half)) crossInHalves(half, kNowhere);
   }
 }
 

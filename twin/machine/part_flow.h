@@ -40,6 +40,7 @@ class PartFlow {
   [[nodiscard]] std::uint64_t halved() const { return halved_; }
 
  private:
+  static constexpr double kNowhere = -1.0;
   struct Field {
     double pitch{};
     long long tooth{};  ///< Tooth about which the linear spring acts.
@@ -56,6 +57,7 @@ class PartFlow {
     double from{};
     int halvings{};
     [[nodiscard]] double share() const { return 1.0 / static_cast<double>(1U << halvings); }
+    [[nodiscard]] bool holds(double place) const { return place >= from && place < from + share(); }
   };
 
   void findKinks();
@@ -73,7 +75,11 @@ class PartFlow {
   [[nodiscard]] bool sane() const;
   /// Advances over a stretch at once; false if there is a kink in it and it can be halved.
   bool cross(const Stretch& stretch);
-  void crossInHalves(const Stretch& stretch);
+  /// Advances over a stretch by its halves. One that holds the aim, where a kink is expected, is halved
+  /// without a trial; the aim may be wrong, or kNowhere.
+  void crossInHalves(const Stretch& stretch, double aim);
+  /// Place of the kink in the step from state_ to next_, by interpolation: the middle of a shortest stretch.
+  [[nodiscard]] double kinkPlace();
   /// Sets next_ to the state at the end of the stretch; false if that needs a shorter one.
   bool propagate(const Stretch& stretch);
   [[nodiscard]] double* inputs() { return state_ + states_ + 1; }
@@ -93,9 +99,9 @@ class PartFlow {
   /// step ruins all after x in next_, and sets it anew in state_.
   double* state_;
   double* next_;
-  std::vector<double> memory_;       ///< Memory of the two.
+  std::vector<double> memory_;             ///< Memory of the two.
   const DriveCommand* commands_{nullptr};  ///< Commands of the present step.
-  std::vector<double> u_begin_, u_end_;  ///< Inputs at both ends of the stretch.
+  std::vector<double> u_begin_, u_end_;    ///< Inputs at both ends of the stretch.
   std::vector<Field> teeth_;
   /// Pieces of all elements, and of those with kinks; scratch.
   std::vector<ForceLaw::Piece> pieces_, kink_pieces_;

@@ -29,7 +29,7 @@ ReferenceSolver::ReferenceSolver(std::shared_ptr<const Mechanism> mechanism, dou
   mechanism_->requireSlowerThan(step_s_);
   start_ = stage_ = x_;
   rates_.fill(x_);
-  for (auto* values : {&first_force_, &force_, &change_, &delta_}) values->assign(n_, 0.0);
+  for (auto* values : {&first_force_, &force_}) values->assign(n_, 0.0);
   for (auto* pieces : {&pieces_before_, &pieces_after_}) pieces->assign(mechanism_->law().pieceCount(), 0);
   for (auto* values : {&u_begin_, &u_middle_, &u_end_}) values->assign(mechanism_->law().inputs, 0.0);
 }
@@ -48,9 +48,14 @@ void ReferenceSolver::laterRate(const std::vector<double>& x, const double* u, s
     body_.accelerations({x.data(), n_}, {x.data() + n_, n_}, force_, {rate.data() + n_, n_});
     return;
   }
-  for (std::size_t i = 0; i < n_; ++i) change_[i] = force_[i] - first_force_[i];
-  body_.accelerationDeltas(change_, delta_);
-  for (std::size_t i = 0; i < n_; ++i) rate[n_ + i] = rates_[0][n_ + i] + delta_[i];
+  const auto size = static_cast<Eigen::Index>(n_);
+  const auto vector = [size](const double* values) {
+    return Eigen::Map<const Eigen::VectorXd>(values, size);
+  };
+  change_ = vector(force_.data()) - vector(first_force_.data());
+  Eigen::Map<Eigen::VectorXd> acceleration(rate.data() + n_, size);
+  acceleration.noalias() = mechanism_->inverseMass() * change_;
+  acceleration += vector(rates_[0].data() + n_);
 }
 
 void ReferenceSolver::run(double begin_s, std::size_t steps, std::span<const DriveCommand> commands) {
@@ -73,6 +78,7 @@ void ReferenceSolver::commandsAt(std::span<const DriveCommand> commands, double 
 }
 
 void ReferenceSolver::stepBy(double begin_s, double step_s, std::span<const DriveCommand> commands) {
+  first_known_ = false;
   advance(commands, 0.0, 0, step_s);
   requireSane(*mechanism_, q(), v(), begin_s + step_s);
 }
@@ -90,6 +96,7 @@ void ReferenceSolver::advance(std::span<const DriveCommand> commands, double fro
   law.observe(x_.data(), u_end_.data(), pieces_after_.data());
   if (halvings == kHalvings || pieces_after_ == pieces_before_) return;
   x_ = start_;
+  first_known_ = true;  // The first half begins as the whole did.
   advance(commands, from_share, halvings + 1, 0.5 * step_s);
   advance(commands, from_share + 0.5 * share, halvings + 1, 0.5 * step_s);
 }
@@ -99,7 +106,8 @@ void ReferenceSolver::rungeKutta(double step_s) {
   const auto advance = [&](const std::vector<double>& rate, double by_s) {
     for (std::size_t i = 0; i < size; ++i) stage_[i] = x_[i] + by_s * rate[i];
   };
-  firstRate(u_begin_.data());
+  if (!first_known_) firstRate(u_begin_.data());
+  first_known_ = false;
   advance(rates_[0], 0.5 * step_s);
   laterRate(stage_, u_middle_.data(), rates_[1]);
   advance(rates_[1], 0.5 * step_s);
