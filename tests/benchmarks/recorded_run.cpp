@@ -46,8 +46,9 @@ double play(const RecordedRun& run, Tick end, const twin::TwinOptions& options) 
   for (Tick now = 0; now < end;) {
     const Tick until = std::min(now + quantum, end);
     (void)twin.predictSensors(until);
-    const auto last = std::upper_bound(next, run.events.end(), until,
-                                       [](Tick tick, const PinEvent& event) { return tick < event.tick; });
+    // Step by step: a search through all events that are left would take a tenth of the twin's own time.
+    auto last = next;
+    while (last != run.events.end() && last->tick <= until) ++last;
     twin.advance(until, std::span(next, last));
     (void)twin.takeExposures();
     next = last;

@@ -82,13 +82,11 @@ PartFlow::Regime& PartFlow::regimeAt(const double* x, const double* u) {
   return regime;
 }
 
-const LinearFlow* PartFlow::flowOf(int halvings) {
+const LinearFlow* PartFlow::newFlow(int halvings) {
   if (!regime_->affine) return nullptr;
+  setPieces(*regime_);
   std::unique_ptr<LinearFlow>& flow = regime_->flows[static_cast<std::size_t>(halvings)];
-  if (!flow) {
-    setPieces(*regime_);
-    flow = makeFlow(std::ldexp(step_s_, -halvings));
-  }
+  flow = makeFlow(std::ldexp(step_s_, -halvings));
   return flow.get();
 }
 
@@ -239,7 +237,8 @@ void PartFlow::crossInHalves(const Stretch& stretch, double aim) {
 }
 
 bool PartFlow::propagate(const Stretch& stretch) {
-  const LinearFlow* const flow = flowOf(stretch.halvings);
+  const LinearFlow* flow = regime_->flows[static_cast<std::size_t>(stretch.halvings)].get();
+  if (flow == nullptr) flow = newFlow(stretch.halvings);
   if (flow == nullptr) {
     if (stretch.halvings < kRungeKuttaHalvings) return false;
     rungeKutta(stretch);

@@ -65,8 +65,8 @@ class PartFlow {
   Regime& regimeAt(const double* x, const double* u);
   /// True if a state is in the present regime.
   [[nodiscard]] bool staysAt(const double* x, const double* u) const;
-  /// Flow of the present regime; nullptr where the part is not affine.
-  const LinearFlow* flowOf(int halvings);
+  /// Makes a flow of the present regime; nullptr where the part is not affine.
+  const LinearFlow* newFlow(int halvings);
   void setPieces(const Regime& regime);
   [[nodiscard]] std::unique_ptr<LinearFlow> makeFlow(double step_s) const;
   /// Commands at a share of the present step.
