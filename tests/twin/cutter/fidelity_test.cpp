@@ -101,6 +101,38 @@ INSTANTIATE_TEST_SUITE_P(Motions, FastMode, testing::ValuesIn(cases()), [](const
   return name;
 });
 
+TEST_P(FastMode, ManyStepsAtOnceAreThoseOneByOne) {
+  const Case& of = GetParam();
+  MachineModel single(of.machine, of.web, Fidelity::kFast);
+  MachineModel many(of.machine, of.web, Fidelity::kFast);
+  for (const auto& [axis, edges] : of.pulses) {
+    feed(single, axis, edges);
+    feed(many, axis, edges);
+  }
+  const auto end = static_cast<std::uint64_t>(of.until_s / MachineModel::kStep_s);
+  std::uint64_t done = 0;
+  for (std::uint64_t steps = 1; done < end; steps = steps % 97 + 13) {
+    for (std::uint64_t i = 0; i < steps; ++i) single.run(done + i, 1);
+    many.run(done, steps);
+    done += steps;
+    const MachinePose a = single.pose();
+    const MachinePose b = many.pose();
+    ASSERT_EQ(a.time_s, b.time_s);
+    ASSERT_EQ(a.belt_travel_mm, b.belt_travel_mm) << done;
+    ASSERT_EQ(a.sheet_slip_mm, b.sheet_slip_mm) << done;
+    ASSERT_EQ(a.mirror_rad, b.mirror_rad) << done;
+    ASSERT_EQ(a.gantry_mm, b.gantry_mm) << done;
+    ASSERT_EQ(single.rollerAcceleration_mm_s2(), many.rollerAcceleration_mm_s2()) << done;
+    ASSERT_EQ(single.sheetAcceleration_mm_s2(), many.sheetAcceleration_mm_s2()) << done;
+    ASSERT_EQ(single.gantrySpeed_mm_s(), many.gantrySpeed_mm_s()) << done;
+  }
+  ASSERT_EQ(single.lostSteps().size(), many.lostSteps().size());
+  for (std::size_t i = 0; i < single.lostSteps().size(); ++i) {
+    EXPECT_EQ(single.lostSteps()[i].time_s, many.lostSteps()[i].time_s);
+    EXPECT_EQ(single.lostSteps()[i].full_steps, many.lostSteps()[i].full_steps);
+  }
+}
+
 TEST_P(FastMode, AgreesWithTheReference) {
   const Case& of = GetParam();
   MachineModel reference(of.machine, of.web, Fidelity::kReference);

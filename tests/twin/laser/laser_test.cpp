@@ -29,6 +29,27 @@ LaserDescription curvedTube() {
   return laser;
 }
 
+TEST(Laser, StepsThatADarkTubeMissesChangeNothing) {
+  Laser every(curvedTube(), 1);
+  Laser lit(curvedTube(), 1);
+  int missed = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double gate = i % 200 < 20 ? 1.0 : 0.0;
+    const double duty = i % 3 == 0 ? 0.9 : 0.4;
+    const double all_j = every.step(gate, duty, i * kStepS, kStepS);
+    const bool dark = gate == 0.0 && lit.dark();
+    missed += dark ? 1 : 0;
+    EXPECT_EQ(dark ? 0.0 : lit.step(gate, duty, i * kStepS, kStepS), all_j) << i;
+  }
+  EXPECT_GT(missed, 100);
+}
+
+TEST(Laser, ATubeWithASmoothedDutyIsNeverDark) {
+  LaserDescription laser = curvedTube();
+  laser.demand_filter_s = 1e-3;
+  EXPECT_FALSE(Laser(laser, 1).dark());  // The filter follows the duty while the gate is shut.
+}
+
 TEST(Laser, TheEnergyOfAStepIsTheIntegralOfThePower) {
   Laser coarse(tube(80.0, 20e-6, 45e-6), 1);
   Laser fine(tube(80.0, 20e-6, 45e-6), 1);

@@ -172,6 +172,22 @@ TEST_P(Divergence, NamesTheJointAndTheTime) {
   }
 }
 
+TEST_P(Divergence, OfManyStepsAtOnceTheFirstIsNamed) {
+  MechanismDescription description;
+  description.joints = {slideOf("late", 1.0), slideOf("early", 1.0), slideOf("calm", 1.0)};
+  description.joints[0].most_speed = 3.0;
+  description.joints[1].most_speed = 2.0;
+  description.constant_forces = {{0, 10.0}, {1, 10.0}};
+  const auto solver = solverOf(description, GetParam());
+  try {
+    solver->run(0.0, 100'000, {});
+    FAIL() << "nothing was thrown";
+  } catch (const DivergenceError& error) {
+    EXPECT_EQ(error.joint(), "early");
+    EXPECT_NEAR(error.time_s(), 0.2, 2e-5);
+  }
+}
+
 TEST_P(Divergence, ACommandThatIsNoNumberIsOne) {
   const auto solver = solverOf(driven(servoOf(500.0, 0.7), 3e-7), GetParam());
   run(*solver, 1, 0.0, 1e-3, [](double) { return 0.01; });
