@@ -65,8 +65,8 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const fs::pat
   source::PinRecording recorded;
   judge::Conclusion conclusion;
   try {
-    recorded = live::readRecording(recording, test_case);
-    conclusion.source_id = "recording sha256 " + base::sha256File(recording);
+    recorded = live::readRecording(recording, test_case, base::progressOn(console));
+    conclusion.source_id = "recording sha256 " + base::sha256File(recording, base::progressOn(console));
   } catch (const std::runtime_error& e) {
     throw base::InputError(e.what());
   }

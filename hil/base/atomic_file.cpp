@@ -10,14 +10,17 @@
 #include <cstdlib>
 #include <string>
 #include <system_error>
-
-#include "hil/base/unique_fd.h"
+#include <utility>
 
 namespace kerfbench::base {
 namespace {
 
 [[noreturn]] void fail(const std::string& what, const std::filesystem::path& path) {
   throw std::system_error(errno, std::generic_category(), what + " " + path.string());
+}
+
+std::filesystem::path folderOf(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
 }
 
 void syncFolder(const std::filesystem::path& folder) {
@@ -28,26 +31,37 @@ void syncFolder(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void writeFileAtomically(const std::filesystem::path& path, std::string_view content) {
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  std::string temporary = (folder / ("." + path.filename().string() + ".XXXXXX")).string();
-  const UniqueFd fd(::mkostemp(temporary.data(), O_CLOEXEC));
-  if (fd.get() < 0) fail("cannot create a file beside", path);
-  try {
-    std::string_view rest = content;
-    while (!rest.empty()) {
-      const ssize_t n = ::write(fd.get(), rest.data(), rest.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) fail("cannot write", path);
-      rest.remove_prefix(static_cast<std::size_t>(n));
-    }
-    if (::fchmod(fd.get(), 0644) != 0 || ::fsync(fd.get()) != 0) fail("cannot sync", path);
-    if (::rename(temporary.c_str(), path.c_str()) != 0) fail("cannot rename to", path);
-  } catch (...) {
-    ::unlink(temporary.c_str());
-    throw;
+AtomicFile::AtomicFile(std::filesystem::path path)
+    : path_(std::move(path)),
+      temporary_((folderOf(path_) / ("." + path_.filename().string() + ".XXXXXX")).string()),
+      fd_(::mkostemp(temporary_.data(), O_CLOEXEC)) {
+  if (fd_.get() < 0) fail("cannot create a file beside", path_);
+}
+
+AtomicFile::~AtomicFile() {
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void AtomicFile::write(std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t n = ::write(fd_.get(), content.data(), content.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail("cannot write", path_);
+    content.remove_prefix(static_cast<std::size_t>(n));
   }
-  syncFolder(folder);
+}
+
+void AtomicFile::commit() {
+  if (::fchmod(fd_.get(), 0644) != 0 || ::fsync(fd_.get()) != 0) fail("cannot sync", path_);
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot rename to", path_);
+  temporary_.clear();
+  syncFolder(folderOf(path_));
+}
+
+void writeFileAtomically(const std::filesystem::path& path, std::string_view content) {
+  AtomicFile file(path);
+  file.write(content);
+  file.commit();
 }
 
 }  // namespace kerfbench::base

@@ -2,11 +2,33 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
+
+#include "hil/base/unique_fd.h"
 
 namespace kerfbench::base {
 
-/// Writes a file whole or not at all: a temporary next to it, fsync, rename, fsync of the folder.
+/// A file that is written in pieces, and is there whole or not at all: a temporary next to it; commit() does
+/// fsync, rename, fsync of the folder. Without commit() nothing is left.
+class AtomicFile {
+ public:
+  /// @throws std::system_error with the path, as the others.
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(std::string_view content);
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::string temporary_;  ///< Empty after commit().
+  UniqueFd fd_;
+};
+
+/// Writes a file whole or not at all, as an AtomicFile.
 /// @throws std::system_error with the path.
 void writeFileAtomically(const std::filesystem::path& path, std::string_view content);
 

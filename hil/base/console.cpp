@@ -36,7 +36,7 @@ void Console::clearProgress() {
   progress_shown_ = false;
 }
 
-std::function<void(double, const std::string&)> progressOn(Console& console) {
+ProgressFn progressOn(Console& console) {
   return [&console](double now_s, const std::string& what) { console.progress(now_s, what); };
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <string>
+
+#include "hil/base/progress.h"
 
 namespace kerfbench::base {
 
@@ -29,6 +30,6 @@ class Console {
 };
 
 /// Callback that shows progress on the console, which must outlive it.
-std::function<void(double now_s, const std::string& what)> progressOn(Console& console);
+ProgressFn progressOn(Console& console);
 
 }  // namespace kerfbench::base

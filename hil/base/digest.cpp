@@ -5,12 +5,11 @@
 #include <xxhash.h>
 
 #include <array>
-#include <cerrno>
-#include <optional>
+#include <limits>
+#include <new>
 #include <stdexcept>
-#include <system_error>
 
-#include "hil/base/file_content.h"
+#include "hil/base/piece_reader.h"
 
 namespace kerfbench::base {
 
@@ -26,15 +25,43 @@ std::string hexOf(std::span<const unsigned char> bytes) {
   return text;
 }
 
+[[noreturn]] void fail() { throw std::runtime_error("SHA-256 failed"); }
+
 }  // namespace
 
-std::string sha256(std::string_view bytes) {
+struct Sha256::State {
+  State() : context(EVP_MD_CTX_new()) {
+    if (!context) throw std::bad_alloc();
+  }
+  struct Free {
+    void operator()(EVP_MD_CTX* owned) const { EVP_MD_CTX_free(owned); }
+  };
+  std::unique_ptr<EVP_MD_CTX, Free> context;
+};
+
+Sha256::Sha256() : state_(std::make_unique<State>()) {
+  if (EVP_DigestInit_ex(state_->context.get(), EVP_sha256(), nullptr) != 1) fail();
+}
+Sha256::~Sha256() = default;
+
+void Sha256::add(std::string_view bytes) {
+  if (EVP_DigestUpdate(state_->context.get(), bytes.data(), bytes.size()) != 1) fail();
+}
+
+std::string Sha256::digest() const {
+  const State copy;
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) {
-    throw std::runtime_error("SHA-256 failed");
-  }
+  if (EVP_MD_CTX_copy_ex(copy.context.get(), state_->context.get()) != 1 ||
+      EVP_DigestFinal_ex(copy.context.get(), digest.data(), &size) != 1)
+    fail();
   return hexOf(std::span(digest).first(size));
+}
+
+std::string sha256(std::string_view bytes) {
+  Sha256 sum;
+  sum.add(bytes);
+  return sum.digest();
 }
 
 std::string checksum(std::span<const std::uint8_t> bytes) {
@@ -43,10 +70,16 @@ std::string checksum(std::span<const std::uint8_t> bytes) {
   return hexOf(digest.digest);
 }
 
-std::string sha256File(const std::filesystem::path& path) {
-  const std::optional<std::string> content = fileContent(path);
-  if (!content) throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
-  return sha256(*content);
+std::string sha256File(const std::filesystem::path& path, const ProgressFn& progress) {
+  PieceReader file(path, "cannot read " + path.string());
+  ShareProgress told(progress, "digest of " + path.filename().string(), file.size());
+  Sha256 sum;
+  std::uint64_t done = 0;
+  forEachPiece(file, std::numeric_limits<std::uint64_t>::max(), [&](std::string_view piece) {
+    sum.add(piece);
+    told.done(done += piece.size());
+  });
+  return sum.digest();
 }
 
 }  // namespace kerfbench::base

@@ -14,7 +14,7 @@ namespace {
 using Said = inspect::ControllerEnd::Said;
 
 bool guardOpened(const source::PinRecording& recording, double until_s) {
-  return std::ranges::any_of(recording.sensors, [&](const SensorEdge& edge) {
+  return std::ranges::any_of(recording.sensors.streamed(), [&](const SensorEdge& edge) {
     return edge.signal == Signal::kInterlock && !edge.level && recording.rate.seconds(edge.tick) <= until_s;
   });
 }

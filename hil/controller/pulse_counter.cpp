@@ -26,31 +26,37 @@ Signal dirOf(Signal pul) { return static_cast<Signal>(static_cast<std::size_t>(p
 
 }  // namespace
 
-PulseCounter::PulseCounter(const source::PinRecording& recording, const SignalMap& map) {
-  for (const Signal pul : kPuls) axes_.push_back({pul, 0, {}, {}});
-  addOutputs(recording, map);
-  belt_ = source::encoderEdges(recording.sensors, recording.rate);
-  belt_wired_ = map.pin(Signal::kEncoderA) && map.pin(Signal::kEncoderB);
-  std::erase_if(axes_, [&](const Axis& axis) { return !map.pin(axis.pul) || !map.pin(dirOf(axis.pul)); });
+template <class Take>
+void PulseCounter::forEachPulse(const Axis& axis, Take take) const {
+  bool forwards = false;
+  Pulse pulse;
+  for (const PinEvent& event : outputs_.streamed()) {
+    if (event.port == axis.dir_pin.port) forwards = (event.level >> axis.dir_pin.bit & 1U) != 0;
+    const bool rises = event.port == axis.pul_pin.port && (event.changed >> axis.pul_pin.bit & 1U) != 0 &&
+                       (event.level >> axis.pul_pin.bit & 1U) != 0;
+    if (!rises) continue;
+    pulse.tick = event.tick;
+    pulse.place += forwards ? 1 : -1;
+    if (!take(pulse)) return;
+  }
 }
 
-void PulseCounter::addOutputs(const source::PinRecording& recording, const SignalMap& map) {
-  for (Axis& axis : axes_) {
-    const auto pul = map.pin(axis.pul);
-    const auto dir = map.pin(dirOf(axis.pul));
+PulseCounter::PulseCounter(const source::PinRecording& recording, const SignalMap& map)
+    : rate_(recording.rate), outputs_(recording.outputs) {
+  for (const Signal signal : kPuls) {
+    const auto pul = map.pin(signal);
+    const auto dir = map.pin(dirOf(signal));
     if (!pul || !dir) continue;
-    bool forwards = false;
-    for (const PinEvent& event : recording.outputs) {
-      if (event.port == dir->port) forwards = (event.level >> dir->bit & 1U) != 0;
-      const bool rises = event.port == pul->port && (event.changed >> pul->bit & 1U) != 0 &&
-                         (event.level >> pul->bit & 1U) != 0;
-      if (!rises) continue;
-      axis.net += forwards ? 1 : -1;
-      axis.pulses_s.push_back(recording.rate.seconds(event.tick));
-      axis.places.push_back(axis.net);
-    }
-    if (!axis.pulses_s.empty()) last_pulse_s_ = std::max(last_pulse_s_, axis.pulses_s.back());
+    Axis axis{signal, *pul, *dir};
+    forEachPulse(axis, [&](const Pulse& pulse) {
+      axis.net = pulse.place;
+      last_pulse_s_ = std::max(last_pulse_s_, rate_.seconds(pulse.tick));
+      return true;
+    });
+    axes_.push_back(axis);
   }
+  belt_ = source::encoderEdges(recording.sensors, recording.rate);
+  belt_wired_ = map.pin(Signal::kEncoderA) && map.pin(Signal::kEncoderB);
 }
 
 long long PulseCounter::beltCountsAt(double time_s) const {
@@ -74,21 +80,30 @@ std::pair<long long, long long> PulseCounter::beltAround(const UartListener::Bel
 
 double PulseCounter::pulse_s(Signal pul, long long count) const {
   const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
-  if (axis == axes_.end() || count < 1 || count > static_cast<long long>(axis->pulses_s.size())) return kNan;
-  return axis->pulses_s[static_cast<std::size_t>(count - 1)];
+  double time_s = kNan;
+  if (axis == axes_.end() || count < 1) return time_s;
+  forEachPulse(*axis, [&](const Pulse& pulse) {
+    if (--count > 0) return true;
+    time_s = rate_.seconds(pulse.tick);
+    return false;
+  });
+  return time_s;
 }
 
 double PulseCounter::leaves_s(Signal pul, long long low, long long high) const {
   const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
-  if (axis == axes_.end()) return kNan;
-  const auto out =
-      std::ranges::find_if(axis->places, [&](long long place) { return place < low || place > high; });
-  return out == axis->places.end() ? kNan
-                                   : axis->pulses_s[static_cast<std::size_t>(out - axis->places.begin())];
+  double time_s = kNan;
+  if (axis == axes_.end()) return time_s;
+  forEachPulse(*axis, [&](const Pulse& pulse) {
+    if (pulse.place >= low && pulse.place <= high) return true;
+    time_s = rate_.seconds(pulse.tick);
+    return false;
+  });
+  return time_s;
 }
 
 double PulseCounter::beltFaster_s(double counts_per_s, double span_s) const {
-  for (const source::EncoderEdge& edge : belt_) {
+  for (const source::EncoderEdge& edge : belt_.streamed()) {
     if (edge.time_s < span_s) continue;
     const long long moved = edge.counts - beltCountsAt(edge.time_s - span_s);
     if (static_cast<double>(moved) > counts_per_s * span_s + 1.0) return edge.time_s;

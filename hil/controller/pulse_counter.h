@@ -40,18 +40,26 @@ class PulseCounter {
  private:
   struct Axis {
     Signal pul{};
+    PinId pul_pin, dir_pin;
     long long net{};
-    std::vector<double> pulses_s;
-    std::vector<long long> places;  ///< Steps from the start, after each pulse.
   };
+  /// A rising edge of a PUL.
+  struct Pulse {
+    Tick tick{};
+    long long place{};  ///< Steps from the start, after it.
+  };
+  /// Calls `take` with the pulses of an axis in order until it says false.
+  template <class Take>
+  void forEachPulse(const Axis& axis, Take take) const;
   [[nodiscard]] long long beltCountsAt(double time_s) const;
   /// Least and most counts of the belt while the controller can have sampled what it then reported.
   [[nodiscard]] std::pair<long long, long long> beltAround(const UartListener::BeltWord& word,
                                                            const UartTiming& uart) const;
-  void addOutputs(const source::PinRecording& recording, const SignalMap& map);
 
+  TickRate rate_;
+  base::SpilledVector<PinEvent> outputs_;  ///< A copy of the recording's, which shares its file.
   std::vector<Axis> axes_;
-  std::vector<source::EncoderEdge> belt_;
+  base::SpilledVector<source::EncoderEdge> belt_;
   bool belt_wired_{};
   double last_pulse_s_{-1.0};
 };

@@ -39,21 +39,25 @@ std::optional<CountedSteps> CountedSteps::of(const source::PinRecording& recordi
   CountedSteps counted;
   PortLevels ports;
   Steps now{0, 0};
-  for (const PinEvent& event : recording.outputs) {
+  for (const PinEvent& event : recording.outputs.streamed()) {
     const auto period =
         static_cast<std::size_t>(std::max(0.0, recording.rate.seconds(event.tick)) / kRaster_s);
-    if (period >= counted.steps_.size()) counted.steps_.resize(period + 1, now);
+    while (counted.steps_.size() < period) counted.steps_.push_back(now);
     ports.apply(event);
     for (std::size_t i = 0; i < 2; ++i) now[i] += axes[i].stepBy(ports);
-    counted.steps_.back() = now;
   }
+  counted.steps_.push_back(now);
   return counted;
 }
 
-CountedSteps::Steps CountedSteps::at(double time_s) const {
+std::size_t CountedSteps::indexAt(double time_s) const {
   const double period = std::floor(time_s / kRaster_s);
-  if (!(period > 0.0)) return steps_.front();
-  return steps_[std::min(static_cast<std::size_t>(period), steps_.size() - 1)];
+  if (!(period > 0.0)) return 0;
+  return std::min(static_cast<std::size_t>(period), steps_.size() - 1);
 }
+
+CountedSteps::Steps CountedSteps::at(double time_s) const { return steps_[indexAt(time_s)]; }
+
+void CountedSteps::passed(double time_s) const { steps_.giveBack(0, indexAt(time_s)); }
 
 }  // namespace kerfbench::evidence

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
-#include <utility>
-#include <vector>
 
+#include "hil/base/spilled_vector.h"
 #include "hil/evidence/pin_evidence.h"
 #include "hil/source/vcd.h"
 
@@ -25,11 +24,16 @@ class CountedSteps {
   /// Steps at a time, s from tick 0: as they are at the end of its raster period.
   [[nodiscard]] Steps at(double time_s) const;
 
-  /// The memory is 8 bytes for each of these.
+  /// What lies before this time may leave the memory: it is read again from a file if it is asked for.
+  void passed(double time_s) const;
+
+  /// Each takes 8 bytes of a temporary file, 0.3 GB an hour.
   static constexpr double kRaster_s = 1e-4;
 
  private:
-  std::vector<Steps> steps_{{0, 0}};  ///< At the end of each raster period.
+  [[nodiscard]] std::size_t indexAt(double time_s) const;
+
+  base::SpilledVector<Steps> steps_;  ///< At the end of each raster period.
 };
 
 }  // namespace kerfbench::evidence

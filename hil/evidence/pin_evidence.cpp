@@ -53,7 +53,7 @@ class SpanWatch {
 std::optional<std::vector<inspect::Span>> guardOpen(const source::PinRecording& recording) {
   SpanWatch open;
   bool was_closed = false;
-  for (const SensorEdge& edge : recording.sensors) {
+  for (const SensorEdge& edge : recording.sensors.streamed()) {
     if (edge.signal != Signal::kInterlock) continue;
     was_closed = was_closed || edge.level;
     if (was_closed) open.level(recording.rate.seconds(edge.tick), !edge.level);
@@ -64,15 +64,18 @@ std::optional<std::vector<inspect::Span>> guardOpen(const source::PinRecording& 
 
 std::vector<inspect::BeltEdge> beltEdges(const source::PinRecording& recording, double count_mm) {
   std::vector<inspect::BeltEdge> belt;
-  for (const source::EncoderEdge& edge : source::encoderEdges(recording.sensors, recording.rate))
-    belt.push_back({edge.time_s, static_cast<double>(edge.counts) * count_mm});
+  source::EncoderCounter encoder(recording.rate);
+  for (const SensorEdge& sensor : recording.sensors.streamed()) {
+    if (const auto edge = encoder.take(sensor))
+      belt.push_back({edge->time_s, static_cast<double>(edge->counts) * count_mm});
+  }
   return belt;
 }
 
 std::vector<double> powerEdges(const source::PinRecording& recording, double delay_s) {
   std::vector<double> edges_s;
   bool high = false;
-  for (const SensorEdge& edge : recording.sensors) {
+  for (const SensorEdge& edge : recording.sensors.streamed()) {
     if (edge.signal != Signal::kPowerMonitor || edge.level == high) continue;
     high = edge.level;
     edges_s.push_back(recording.rate.seconds(edge.tick) - delay_s);
@@ -89,7 +92,7 @@ PinEvidence pinEvidence(const source::PinRecording& recording, const PinWiring& 
   SpanWatch gates;
   SpanWatch light;
   PortLevels ports;
-  for (const PinEvent& event : recording.outputs) {
+  for (const PinEvent& event : recording.outputs.streamed()) {
     ports.apply(event);
     const double time_s = recording.rate.seconds(event.tick);
     for (WatchedDrive& drive : drives) {

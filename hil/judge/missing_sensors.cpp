@@ -45,7 +45,7 @@ std::vector<std::string> missingSensors(const scenario::Case& test_case,
                     test_case.scenario.belt_speed_mm_s));
   }
   if (!wired.pin(Signal::kPrintMark)) return problems;
-  const auto seen = std::ranges::count_if(recording.sensors, [](const SensorEdge& edge) {
+  const auto seen = std::ranges::count_if(recording.sensors.streamed(), [](const SensorEdge& edge) {
     return edge.signal == Signal::kPrintMark && edge.level;
   });
   const int due = marksThatPass(test_case, travelAt(pins.belt, pins.gates.back().off_s));

@@ -142,7 +142,7 @@ camera::LightProfile profileOf(const source::PinRecording& pins, const SignalMap
   const auto pwm = map.pin(Signal::kLaserPwm);
   bool is_gate_open = !gate;
   bool is_pwm_high = !pwm;
-  for (const PinEvent& event : pins.outputs) {
+  for (const PinEvent& event : pins.outputs.streamed()) {
     if (gate && event.port == gate->port) is_gate_open = (event.level >> gate->bit & 1U) != 0;
     if (pwm && event.port == pwm->port) is_pwm_high = (event.level >> pwm->bit & 1U) != 0;
     const bool is_on = is_gate_open && is_pwm_high;

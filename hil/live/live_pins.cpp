@@ -66,7 +66,7 @@ source::PinCapture captureOf(run::RecordedRun& run, source::GpioLiveRecord& reco
   captured.recording = std::move(run.recording);
   source::PinRecording& recording = captured.recording;
   recording.stamp_err_ticks = stamp_err_ticks;
-  recording.sensors = std::move(record.sensors);
+  recording.sensors = base::SpilledVector<SensorEdge>(record.sensors);
   recording.uart = std::move(record.uart);
   captured.notes = std::move(record.notes);
   captured.edges = record.edges;

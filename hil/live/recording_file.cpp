@@ -11,16 +11,17 @@ namespace kerfbench::live {
 namespace {
 
 bool hasEdges(const source::PinRecording& recording, PinId pin) {
-  return std::ranges::any_of(recording.outputs, [&](const PinEvent& event) {
+  return std::ranges::any_of(recording.outputs.streamed(), [&](const PinEvent& event) {
     return event.tick > 0 && event.port == pin.port && (event.changed >> pin.bit & 1U) != 0;
   });
 }
 
-source::PinRecording readSession(const std::filesystem::path& path, const scenario::Case& test_case) {
+source::PinRecording readSession(const std::filesystem::path& path, const scenario::Case& test_case,
+                                 const base::ProgressFn& progress) {
   source::ChannelNames names;
   for (const scenario::PinLine& line : test_case.scenario.firmware.analyser.lines)
     names.emplace_back(line.signal, line.line);
-  source::PinRecording recording = source::readSr(path, test_case.machine.signals, names);
+  source::PinRecording recording = source::readSr(path, test_case.machine.signals, names, progress);
   for (const scenario::SlowRate& slow : scenario::tooSlowFor(test_case.machine, recording.rate.den)) {
     if (hasEdges(recording, *test_case.machine.signals.pin(slow.pul)))
       recording.problems.push_back(slow.words);
@@ -30,10 +31,11 @@ source::PinRecording readSession(const std::filesystem::path& path, const scenar
 
 }  // namespace
 
-source::PinRecording readRecording(const std::filesystem::path& path, const scenario::Case& test_case) {
+source::PinRecording readRecording(const std::filesystem::path& path, const scenario::Case& test_case,
+                                   const base::ProgressFn& progress) {
   try {
-    return path.extension() == ".sr" ? readSession(path, test_case)
-                                     : source::readVcd(path, test_case.machine.signals);
+    return path.extension() == ".sr" ? readSession(path, test_case, progress)
+                                     : source::readVcd(path, test_case.machine.signals, progress);
   } catch (const std::runtime_error& e) {
     throw base::InputError(e.what());
   }

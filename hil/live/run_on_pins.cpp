@@ -31,7 +31,7 @@ std::vector<Signal> sensorsOfMachine(const scenario::Case& test_case, const sour
   if (firmware.onRealPins() || is_provoked) return signals;
   const auto is_recorded = [&recorded](Signal signal) {
     return std::ranges::find(recorded.sensor_wires, signal) != recorded.sensor_wires.end() ||
-           std::ranges::any_of(recorded.sensors,
+           std::ranges::any_of(recorded.sensors.streamed(),
                                [signal](const SensorEdge& edge) { return edge.signal == signal; });
   };
   for (const Signal signal : {Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark, Signal::kLimitX,
@@ -43,7 +43,7 @@ std::vector<Signal> sensorsOfMachine(const scenario::Case& test_case, const sour
 
 /// Whether the inputs of the controller were driven as the machine would have done it.
 void judgeSensors(const scenario::Case& test_case, const std::vector<Signal>& signals,
-                  const std::vector<SensorEdge>& due, const source::PinRecording& recorded,
+                  const base::SpilledVector<SensorEdge>& due, const source::PinRecording& recorded,
                   run::RecordedRun& run, base::Console& console) {
   const double limit_s = run::sensorLagLimit_s(test_case.scenario);
   const run::SensorLag found =

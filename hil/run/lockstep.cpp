@@ -9,8 +9,8 @@
 namespace kerfbench::run {
 namespace {
 
-// A vector that grows copies what it has, and a clock waits for nobody. Memory that is not used costs
-// nothing.
+// A vector that grows copies what it has or waits for the disk, and a clock waits for nobody. Memory that is
+// not used costs nothing.
 constexpr std::size_t kLiveEdges = std::size_t{1} << 20U;
 
 void sendSensors(source::SignalSource& source, const std::vector<SensorEdge>& edges, const SignalMap& map,
@@ -90,8 +90,8 @@ class Lockstep {
         end_(limit_) {
     result_.recording.rate = info_.rate;
     if (info_.deterministic) return;
-    result_.recording.outputs.reserve(kLiveEdges);
-    result_.recording.sensors.reserve(kLiveEdges);
+    result_.recording.outputs.holdInMemory(kLiveEdges);
+    result_.recording.sensors.holdInMemory(kLiveEdges);
   }
 
   RecordedRun run(const ProgressFn& progress) {
@@ -120,8 +120,7 @@ class Lockstep {
     now_ = batch_.watermark;
     if (hasGap(batch_.events)) gaps_.add(info_.rate.seconds(now_));
     model_.advance(now_, batch_.events);
-    result_.recording.outputs.insert(result_.recording.outputs.end(), batch_.events.begin(),
-                                     batch_.events.end());
+    result_.recording.outputs.append(batch_.events);
     ended_ = stop == source::Stop::kEnded;
     if (ended_ && dialog_ == nullptr) return false;
     if (stop == source::Stop::kReached) return true;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "hil/base/progress.h"
 #include "hil/controller/controller_report.h"
 #include "hil/run/dialog.h"
 #include "hil/run/provoke.h"
@@ -44,8 +44,7 @@ class LockstepModel {
   [[nodiscard]] virtual double longestQuantum_s() const = 0;
 };
 
-/// Called now and then with the virtual time and a word on what happens.
-using ProgressFn = std::function<void(double now_s, const std::string& what)>;
+using base::ProgressFn;
 
 /// Runs source and model quantum by quantum: the model's sensor edges of a quantum go to the source before it
 /// runs it, the source's pin events go to the model after. `dialog` may be null (a recording, or a job that

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "hil/base/spilled_vector.h"
 #include "hil/camera/machine_cameras.h"
 #include "hil/run/dialog.h"
 #include "hil/run/lockstep.h"
@@ -58,7 +59,7 @@ class ModelMachine final : public camera::MachineCameras {
 
   [[nodiscard]] const MachineFilm& film() const { return film_; }
   /// With `witness_sensors`: by tick.
-  [[nodiscard]] const std::vector<SensorEdge>& dueSensors() const { return due_sensors_; }
+  [[nodiscard]] const base::SpilledVector<SensorEdge>& dueSensors() const { return due_sensors_; }
   /// Takes the exposures away where they belong to it.
   ModelTruth truth();
   /// The sheet as it is now.
@@ -76,7 +77,7 @@ class ModelMachine final : public camera::MachineCameras {
   twin::SampledMachine sampled_;
   ModelOptions options_;
   MachineFilm film_;
-  std::vector<SensorEdge> due_sensors_;
+  base::SpilledVector<SensorEdge> due_sensors_;
   std::unique_ptr<Hidden> hidden_;
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 
+#include "hil/base/spilled_vector.h"
 #include "hil/run/lockstep.h"
 #include "hil/scenario/scenario.h"
 #include "hil/source/gpio/lag_meter.h"
@@ -28,8 +28,8 @@ struct SensorLag {
 /// Edges of a kind belong together: of the encoder those to the same count in the same direction, of others
 /// those to the same level; of several the nearest. @param due by tick, of the machine as its pins moved it.
 /// @param driven as `due`, as it was on the wires. Neither counts later than `limit_s` before `end`.
-SensorLag sensorLag(std::span<const SensorEdge> due, std::span<const SensorEdge> driven, TickRate rate,
-                    Tick end, const std::vector<Signal>& signals, double limit_s);
+SensorLag sensorLag(const base::SpilledVector<SensorEdge>& due, const base::SpilledVector<SensorEdge>& driven,
+                    TickRate rate, Tick end, const std::vector<Signal>& signals, double limit_s);
 
 /// What an edge that is driven may be off its time: the scenario's, or what moves the sheet by 10 um at the
 /// fastest speed of the line (1 us … 1 ms).

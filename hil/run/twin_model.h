@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/base/spilled_vector.h"
 #include "hil/run/lockstep.h"
 #include "hil/run/machine_film.h"
 #include "hil/source/signal_source.h"
@@ -32,13 +33,13 @@ class WitnessedTwin final : public TwinModel {
   explicit WitnessedTwin(twin::Twin& twin) : TwinModel(twin) {}
   void advance(Tick until, std::span<const PinEvent> events) override {
     const std::vector<SensorEdge> edges = predictSensors(until);
-    due_.insert(due_.end(), edges.begin(), edges.end());
+    due_.append(edges);
     TwinModel::advance(until, events);
   }
-  [[nodiscard]] const std::vector<SensorEdge>& due() const { return due_; }
+  [[nodiscard]] const base::SpilledVector<SensorEdge>& due() const { return due_; }
 
  private:
-  std::vector<SensorEdge> due_;
+  base::SpilledVector<SensorEdge> due_;
 };
 
 /// A source that is filmed: hands everything on, and takes a frame of the twin before each quantum.

@@ -3,20 +3,11 @@
 
 namespace kerfbench::source {
 
-std::vector<EncoderEdge> encoderEdges(std::span<const SensorEdge> sensors, TickRate rate) {
-  std::vector<EncoderEdge> edges;
-  bool a = false;
-  bool b = false;
-  long long counts = 0;
-  for (const SensorEdge& edge : sensors) {
-    if (edge.signal != Signal::kEncoderA && edge.signal != Signal::kEncoderB) continue;
-    const bool of_a = edge.signal == Signal::kEncoderA;
-    bool& line = of_a ? a : b;
-    if (line == edge.level) continue;
-    line = edge.level;
-    // Forwards, behind an edge of A they differ, behind one of B they are equal.
-    counts += of_a == (a != b) ? 1 : -1;
-    edges.push_back({rate.seconds(edge.tick), counts});
+base::SpilledVector<EncoderEdge> encoderEdges(const base::SpilledVector<SensorEdge>& sensors, TickRate rate) {
+  base::SpilledVector<EncoderEdge> edges;
+  EncoderCounter counter(rate);
+  for (const SensorEdge& sensor : sensors.streamed()) {
+    if (const auto edge = counter.take(sensor)) edges.push_back(*edge);
   }
   return edges;
 }

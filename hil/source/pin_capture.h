@@ -24,7 +24,10 @@ std::string highAtStartWords(const std::string& signal);
 /// Sentence on a capture that reached its time limit, after some edge or none.
 std::string timeLimitWords(double time_limit_s, bool any_edge);
 inline constexpr const char* kTooManyEdgesWords = "more edges came than a recording holds";
+/// Most edges of lines that the kernel reads, which wait in locked memory until the job is over.
 inline constexpr std::size_t kMostCapturedEdges = 50'000'000;
+/// Most edges of an analyser or of its files, which go to the disk as they come.
+inline constexpr std::uint64_t kMostSampledEdges = 4'000'000'000;
 
 /// Time before the first edge that a recording keeps of a capture: the machine is at rest.
 inline constexpr double kLeadBeforeEdges_s = 0.1;

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "hil/base/progress.h"
+#include "hil/base/spilled_vector.h"
 #include "twin/base/pin_event.h"
 #include "twin/base/signal_map.h"
 
@@ -20,12 +22,13 @@ struct ReceivedBytes {
   friend bool operator==(const ReceivedBytes&, const ReceivedBytes&) = default;
 };
 
-/// A run's pins as 1-bit wires, for PulseView, sigrok-cli, GTKWave and replay.
+/// A run's pins as 1-bit wires, for PulseView, sigrok-cli, GTKWave and replay. An hour of them may be larger
+/// than the memory.
 struct PinRecording {
   TickRate rate;
-  std::vector<PinEvent> outputs;    ///< Events of the controller's outputs, by tick.
-  std::vector<SensorEdge> sensors;  ///< Edges that the bench drove, by tick.
-  std::vector<ReceivedBytes> uart;  ///< Bytes of the UART, by tick.
+  base::SpilledVector<PinEvent> outputs;    ///< Events of the controller's outputs, by tick.
+  base::SpilledVector<SensorEdge> sensors;  ///< Edges that the bench drove, by tick.
+  std::vector<ReceivedBytes> uart;          ///< Bytes of the UART, by tick.
   Tick end{};                       ///< End of the run; the file closes with a time stamp there, since
                                     ///< sigrok drops changes at the last stamp otherwise.
   std::uint32_t stamp_err_ticks{};  ///< Declared bias and jitter of an event's tick; a tick each way in a
@@ -44,7 +47,8 @@ struct PinRecording {
 /// wired signals are written; what a port does on other pins is lost.
 /// The last line is the SHA-256 of all before it, which is returned: equal for equal recordings.
 /// @throws std::invalid_argument if the events are not in order, std::system_error with the path.
-std::string writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
+std::string writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map,
+                     const base::ProgressFn& progress = {});
 
 /// Reads such a file, or any VCD that names its 1-bit wires as signalName() does; other wires are skipped.
 /// Without Kerfbench's comments a tick is one unit of the time scale. Changes of a port at one stamp become
@@ -56,10 +60,12 @@ std::string writeVcd(const std::filesystem::path& path, const PinRecording& reco
 ///
 /// Strict, because evidence depends on it: stamps that go back, levels other than 0 and 1 on a wired pin, a
 /// change of such a pin to the level that it has (outside of a dump), unknown identifiers, a wire twice, a
-/// controller's pin of `map` that the file lacks, and anything truncated are refused.
+/// controller's pin of `map` that the file lacks, a word or section of more than 64 MiB, and anything
+/// truncated are refused. The file may be of any size: it is read in pieces.
 /// @throws std::runtime_error listing every fault (the first 20) with its line, std::system_error with the
-/// path.
-PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map);
+/// path, also of a folder that has no room for the recording (see base::SpilledVector).
+PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map,
+                     const base::ProgressFn& progress = {});
 
 /// The sum with which a file of Kerfbench ends; nullopt if it has none, or one that does not fit the file.
 /// @throws std::system_error with the path.

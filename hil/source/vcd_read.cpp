@@ -1,59 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
-#include <fstream>
-#include <limits>
-#include <memory>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "hil/base/digest.h"
 #include "hil/base/number_from.h"
+#include "hil/base/piece_reader.h"
 #include "hil/base/text.h"
 #include "hil/source/vcd.h"
+#include "hil/source/vcd_gaps.h"
 #include "hil/source/vcd_scale.h"
+#include "hil/source/vcd_text.h"
 #include "hil/source/vcd_words.h"
 
 namespace kerfbench::source {
 namespace {
 
-constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30U;
 constexpr std::size_t kMaxFaults = 20;
 constexpr std::size_t kMaxWires = 4096;
-constexpr std::size_t kLeastBytesForAnEdge = 8;
-constexpr std::size_t kMostReserved = std::size_t{1} << 24U;
 constexpr std::uint64_t kMaxWidthBits = 4096;
-
-constexpr std::string_view kSumBegin = "$comment kerfbench sum ";
 
 /// Thrown when there is no sense in reading on.
 struct GiveUp {};
 
-/// Whether the text up to `begin`, where its sum stands as the last line, is as it was written.
-bool sumFits(std::string_view text, std::size_t begin, std::string_view sum) {
-  const std::string line = std::string(kSumBegin).append(sum) + " $end";
-  const std::string_view last = text.substr(begin);
-  return last.starts_with(line) && last.find_first_not_of(" \n", line.size()) == std::string_view::npos &&
-         sum == base::sha256(text.substr(0, begin));
-}
+using Words = std::vector<std::string_view>;
+
+struct WordHash {
+  using is_transparent = void;
+  std::size_t operator()(std::string_view word) const { return std::hash<std::string_view>()(word); }
+};
 
 class Reader {
  public:
-  Reader(std::string path, std::string_view text, const SignalMap& map)
-      : path_(std::move(path)), text_(text), map_(map) {}
+  Reader(const std::filesystem::path& path, const SignalMap& map, const base::ProgressFn& progress)
+      : path_(path.string()), text_(path, progress), map_(map) {}
 
   PinRecording read() {
     try {
       header();
       body();
+    } catch (const std::length_error& e) {
+      if (fault_count_ < kMaxFaults) fault(e.what());
     } catch (const GiveUp&) {
     }
     if (!faults_.empty()) throw std::runtime_error(faults_);
@@ -67,56 +62,38 @@ class Reader {
     PinId pin{};                  ///< Where the machine has the signal.
     std::optional<bool> level{};  ///< nullopt: none was given yet, which is low.
   };
-  struct Gap {
-    Tick tick{};
-    std::uint16_t port{};
-  };
-
   void fault(const std::string& what) {
     if (fault_count_++ == kMaxFaults) {
       faults_ += "\n" + path_ + ": further faults left out";
       throw GiveUp{};
     }
-    faults_ += (faults_.empty() ? "" : "\n") + path_ + ":" + std::to_string(line_) + ": " + what;
+    faults_ += (faults_.empty() ? "" : "\n") + path_ + ":" + std::to_string(text_.line()) + ": " + what;
   }
   [[noreturn]] void giveUp(const std::string& what) {
     fault(what);
     throw GiveUp{};
   }
 
-  /// The next word, or nothing at the end of the file. Words are divided by blanks.
-  std::string_view word() {
-    const char* const end = text_.data() + text_.size();
-    const char* at = text_.data() + at_;
-    for (; at != end && static_cast<unsigned char>(*at) <= ' '; ++at) line_ += *at == '\n' ? 1U : 0U;
-    const char* const start = at;
-    while (at != end && static_cast<unsigned char>(*at) > ' ') ++at;
-    at_ = static_cast<std::size_t>(at - text_.data());
-    return {start, static_cast<std::size_t>(at - start)};
-  }
-  /// The words up to $end.
-  std::vector<std::string_view> section(std::string_view name) {
-    std::vector<std::string_view> words;
-    for (;;) {
-      const auto next = word();
-      if (next.empty()) giveUp(std::string(name) + " has no $end: the file is truncated");
-      if (next == "$end") return words;
-      section_end_ = next.data() + next.size();
-      if (words.size() < 64) words.push_back(next);
-    }
+  VcdText::Section section(std::string_view keyword) {
+    const std::string name(keyword);
+    auto read = text_.section(keyword);
+    if (!read) giveUp(name + " has no $end: the file is truncated");
+    return std::move(*read);
   }
 
   void header() {
     for (;;) {
-      const auto keyword = word();
+      const auto keyword = text_.word();
       if (keyword.empty()) giveUp("no $enddefinitions: not a VCD file, or a truncated one");
       if (keyword.front() != '$') giveUp("a VCD header was expected, not " + base::inQuotes(keyword));
-      const auto words = section(keyword);
-      if (keyword == "$enddefinitions") break;
-      if (keyword == "$timescale") timescale(words);
-      if (keyword == "$comment") comment(words);
-      if (keyword == "$var") variable(words);
+      const auto section = this->section(keyword);
+      const std::string_view name = section.whole.substr(0, keyword.size());
+      if (name == "$enddefinitions") break;
+      if (name == "$timescale") timescale(section.words);
+      if (name == "$comment") comment(section);
+      if (name == "$var") variable(section.words);
     }
+    if (!has_sum_) text_.forgetDigest();
     if (exponent_ < 0) {
       fault("no $timescale");
       return;
@@ -138,7 +115,7 @@ class Reader {
       fault("the time scale is too coarse for the tick");
   }
 
-  void timescale(const std::vector<std::string_view>& words) {
+  void timescale(const Words& words) {
     std::string text;
     for (const auto part : words) text.append(part.substr(0, 16));
     static constexpr std::array<const char*, 6> kUnits{"s", "ms", "us", "ns", "ps", "fs"};
@@ -159,7 +136,8 @@ class Reader {
     fault("$timescale " + base::inQuotes(text) + " is not 1, 10 or 100 of s … fs");
   }
 
-  void comment(const std::vector<std::string_view>& words) {
+  void comment(const VcdText::Section& section) {
+    const Words& words = section.words;
     if (words.size() < 3 || words[0] != "kerfbench") return;
     if (words[1] == "tick") {
       const auto slash = words[2].find('/');
@@ -190,13 +168,13 @@ class Reader {
       const auto tick = base::numberFrom<Tick>(words[2]);
       const auto port = words.size() > 3 ? base::numberFrom<std::uint16_t>(words[3]) : std::nullopt;
       if (tick && port) {
-        gaps_.push_back({*tick, *port});
+        gaps_.add(*tick, *port);
       } else {
         fault("a gap makes no sense");
       }
     } else if (words[1] == "problem") {
-      const char* const first = words[2].data();
-      const auto problem = fromVcdWords({first, static_cast<std::size_t>(section_end_ - first)});
+      const auto problem =
+          fromVcdWords(section.text.substr(static_cast<std::size_t>(words[2].data() - section.text.data())));
       if (problem) {
         recording_.problems.push_back(*problem);
       } else {
@@ -205,7 +183,7 @@ class Reader {
     }
   }
 
-  void received(const std::vector<std::string_view>& words) {
+  void received(const Words& words) {
     const auto tick = base::numberFrom<Tick>(words[2]);
     const std::string_view hex = words.size() > 3 ? words[3] : "";
     ReceivedBytes bytes{tick.value_or(0), {}};
@@ -224,7 +202,7 @@ class Reader {
     }
   }
 
-  void variable(const std::vector<std::string_view>& words) {
+  void variable(const Words& words) {
     const auto width = words.size() >= 4 ? base::numberFrom<std::uint64_t>(words[1]) : std::nullopt;
     if (!width || *width == 0) return fault("$var needs a type, a width, an identifier and a name");
     if (*width > kMaxWidthBits) return fault("a wire of " + std::to_string(*width) + " bits is too wide");
@@ -238,7 +216,7 @@ class Reader {
         return fault("the wire " + std::string(words[3]) + " is there twice");
       }
     }
-    const auto [place, is_new] = wires_.try_emplace(words[2], wire);
+    const auto [place, is_new] = wires_.try_emplace(std::string(words[2]), wire);
     if (!is_new && wire.signal) fault("the identifier " + base::inQuotes(words[2]) + " is used twice");
     if (is_new && words[2].size() == 1)
       by_letter_[static_cast<unsigned char>(words[2].front())] = &place->second;
@@ -253,9 +231,7 @@ class Reader {
 
   void body() {
     if (!faults_.empty()) return;  // Nothing below can be judged by a broken header.
-    // Memory that is never written costs nothing; a vector that grows is copied.
-    recording_.outputs.reserve(std::min(kMostReserved, (text_.size() - at_) / kLeastBytesForAnEdge));
-    for (auto token = word(); !token.empty(); token = word()) {
+    for (auto token = text_.word(); !token.empty(); token = text_.word()) {
       switch (token.front()) {
         case '#':
           stamp(token.substr(1));
@@ -280,11 +256,7 @@ class Reader {
           break;
         case '$':
           if (token == "$comment") {
-            const auto begin = static_cast<std::size_t>(token.data() - text_.data());
-            const auto words = section(token);
-            if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "sum")
-              sum_fits_ = sumFits(text_, begin, words[2]);
-            if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "uart") received(words);
+            said(section(token));
           } else if (token == "$end" || token.starts_with("$dump")) {
             in_dump_ = token != "$end";
           } else {
@@ -296,6 +268,17 @@ class Reader {
       }
     }
     finish();
+  }
+
+  void said(const VcdText::Section& section) {
+    const Words& words = section.words;
+    if (words.size() < 3 || words[0] != "kerfbench") return;
+    if (words[1] == "uart") received(words);
+    if (words[1] != "sum" || !has_sum_) return;
+    // What stands there later is as good as a line that was changed.
+    const std::string sum(words[2]);
+    const bool is_line = std::string(section.whole) + "\n" == vcdSumLine(sum);
+    sum_fits_ = is_line && text_.digestBefore(section.whole.data()) == sum && text_.onlyBlanksFollow();
   }
 
   void stamp(std::string_view digits) {
@@ -332,8 +315,9 @@ class Reader {
     }
   }
 
-  void vector(std::string_view token) {
-    const auto id = word();
+  void vector(std::string_view value) {
+    const std::string token(value);
+    const auto id = text_.word();
     if (id.empty()) giveUp("a change without an identifier: the file is truncated");
     const Wire* const found = wireOf(id);
     if (found == nullptr) return fault("unknown identifier " + base::inQuotes(id));
@@ -349,19 +333,27 @@ class Reader {
     auto& level = levels_[pin.port];
     const auto mask = static_cast<std::uint16_t>(1U << pin.bit);
     level = static_cast<std::uint16_t>(high ? level | mask : level & ~mask);
-    auto& events = recording_.outputs;
-    for (auto event = events.rbegin(); event != events.rend() && event->tick == tick_; ++event) {
-      if (event->port != pin.port) continue;
-      if ((event->changed & mask) != 0) fault("a wire changes twice at one stamp");
-      event->changed |= mask;
-      event->level = level;
+    if (!instant_.empty() && instant_.front().tick != tick_) flush();
+    for (PinEvent& event : instant_) {
+      if (event.port != pin.port) continue;
+      if ((event.changed & mask) != 0) fault("a wire changes twice at one stamp");
+      event.changed |= mask;
+      event.level = level;
       return;
     }
-    events.push_back({tick_, pin.port, mask, level, PinEvent::kNone});
+    instant_.push_back({tick_, pin.port, mask, level, PinEvent::kNone});
+  }
+
+  /// Events of one tick that is over, and the gaps up to then.
+  void flush() {
+    gaps_.put(instant_, recording_.outputs);
+    for (const PinEvent& event : instant_) recording_.outputs.push_back(event);
+    instant_.clear();
   }
 
   void finish() {
     if (!stamped_) giveUp("no time stamps");
+    flush();
     const Tick last = std::max(recording_.outputs.empty() ? 0 : recording_.outputs.back().tick,
                                recording_.sensors.empty() ? 0 : recording_.sensors.back().tick);
     recording_.end = own_end_.value_or(tick_);
@@ -373,34 +365,12 @@ class Reader {
       recording_.problems.emplace_back(
           "the recording is not as it was written: the sum at its end does not fit what stands before it");
     recording_.sealed = has_sum_;
-    for (const auto& gap : gaps_) {
-      auto& events = recording_.outputs;
-      auto event = std::lower_bound(events.begin(), events.end(), gap.tick,
-                                    [](const PinEvent& e, Tick tick) { return e.tick < tick; });
-      while (event != events.end() && event->tick == gap.tick && event->port != gap.port) ++event;
-      if (event == events.end() || event->tick != gap.tick) {
-        // The gap's own edges were on pins that are not wired, but it is still a gap.
-        event = events.insert(event, {gap.tick, gap.port, 0, 0, 0});
-        if (event != events.begin()) event->level = levelBefore(event - events.begin(), gap.port);
-      }
-      event->flags |= PinEvent::kGap;
-    }
-  }
-
-  [[nodiscard]] std::uint16_t levelBefore(std::ptrdiff_t index, std::uint16_t port) const {
-    while (--index >= 0) {
-      const auto& event = recording_.outputs[static_cast<std::size_t>(index)];
-      if (event.port == port) return event.level;
-    }
-    return 0;
+    gaps_.putRest(recording_.outputs);
   }
 
   std::string path_;
-  std::string_view text_;
+  VcdText text_;
   const SignalMap& map_;
-  std::size_t at_{};
-  const char* section_end_{};  ///< Behind the last word of the section that was read last.
-  std::size_t line_{1};
   std::string faults_;
   std::size_t fault_count_{};
   int exponent_{-1};
@@ -411,55 +381,62 @@ class Reader {
   bool in_dump_{};  ///< Levels of a $dump section are told, changed or not.
   bool has_sum_{};  ///< The header says that the file ends with its own sum.
   bool sum_fits_{};
-  std::vector<Gap> gaps_;
+  VcdGaps gaps_;
   std::array<bool, kSignalCount> seen_{};
-  std::unordered_map<std::string_view, Wire> wires_;
+  std::unordered_map<std::string, Wire, WordHash, std::equal_to<>> wires_;
   std::array<Wire*, 256> by_letter_{};
   std::vector<std::uint16_t> levels_ =
       std::vector<std::uint16_t>(std::size_t{1} << 16U);  ///< Levels of each port.
   VcdScale scale_;
   PinRecording recording_;
+  std::vector<PinEvent> instant_;  ///< Events of the tick that is being read.
   std::uint64_t stamp_{};
   Tick tick_{};
   bool stamped_{};
 };
 
-/// A file's text; its memory is written once.
-struct FileText {
-  std::unique_ptr<char[]> bytes;
-  std::size_t size{};
-  [[nodiscard]] std::string_view view() const { return {bytes.get(), size}; }
-};
-
-FileText readWhole(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  const auto size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
-  if (size < 0) throw std::system_error(errno, std::generic_category(), path.string());
-  if (static_cast<std::uintmax_t>(size) > kMaxFileBytes)
-    throw std::runtime_error(path.string() + ": larger than 4 GiB");
-  FileText text{std::make_unique_for_overwrite<char[]>(static_cast<std::size_t>(size)),
-                static_cast<std::size_t>(size)};
-  file.seekg(0);
-  if (!file.read(text.bytes.get(), size))
-    throw std::system_error(errno, std::generic_category(), path.string());
-  return text;
+/// Where the last line of a file of Kerfbench begins, if it is one that a sum can stand in.
+std::optional<std::uint64_t> beginOfSum(base::PieceReader& file, std::string& sum) {
+  constexpr std::size_t kDigits = 64;
+  constexpr std::size_t kPiece = std::size_t{1} << 16U;
+  const std::size_t length = vcdSumLine(std::string(kDigits, '0')).size() - 1;
+  // Blanks behind it belong to no line.
+  std::uint64_t end = file.size();
+  std::string tail;
+  const auto readBefore = [&](std::size_t bytes) {
+    tail.resize(static_cast<std::size_t>(std::min<std::uint64_t>(bytes, end)));
+    file.seek(end - tail.size());
+    tail.resize(file.read(tail));
+  };
+  for (std::size_t last = std::string::npos; last == std::string::npos && end > 0;) {
+    readBefore(kPiece);
+    if (tail.empty()) return std::nullopt;
+    last = tail.find_last_not_of(" \n");
+    end -= tail.size() - (last == std::string::npos ? 0 : last + 1);
+  }
+  readBefore(length);
+  if (tail.size() != length || !tail.starts_with(kVcdSumBegin)) return std::nullopt;
+  sum = tail.substr(kVcdSumBegin.size(), kDigits);
+  if (tail + "\n" != vcdSumLine(sum)) return std::nullopt;
+  return end - length;
 }
 
 }  // namespace
 
-PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map) {
-  const FileText text = readWhole(path);
-  return Reader(path.string(), text.view(), map).read();
+PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map,
+                     const base::ProgressFn& progress) {
+  return Reader(path, map, progress).read();
 }
 
 std::optional<std::string> vcdSum(const std::filesystem::path& path) {
-  constexpr std::size_t kDigits = 64;
-  const FileText file = readWhole(path);
-  const std::string_view text = file.view();
-  const std::size_t begin = text.rfind(kSumBegin);
-  if (begin == std::string_view::npos) return std::nullopt;
-  std::string sum(text.substr(begin + kSumBegin.size(), kDigits));
-  if (!sumFits(text, begin, sum)) return std::nullopt;
+  base::PieceReader file(path, path.string());
+  std::string sum;
+  const auto begin = beginOfSum(file, sum);
+  if (!begin) return std::nullopt;
+  file.seek(0);
+  base::Sha256 digest;
+  base::forEachPiece(file, *begin, [&](std::string_view piece) { digest.add(piece); });
+  if (digest.digest() != sum) return std::nullopt;
   return sum;
 }
 

@@ -10,18 +10,29 @@
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
+#include "hil/base/progress.h"
 #include "hil/source/vcd.h"
 #include "hil/source/vcd_scale.h"
+#include "hil/source/vcd_text.h"
 #include "hil/source/vcd_words.h"
 
 namespace kerfbench::source {
 namespace {
 
+constexpr std::size_t kPiece = std::size_t{1} << 18U;
+constexpr std::uint64_t kBytesOfAnEvent = 15;  // About 12 characters a stamp and 3 a change.
+
 char identifier(Signal signal) { return static_cast<char>('!' + static_cast<int>(signal)); }
 
 class Writer {
  public:
-  Writer(const PinRecording& recording, const SignalMap& map) : recording_(recording), map_(map) {
+  Writer(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map,
+         const base::ProgressFn& progress)
+      : recording_(recording),
+        map_(map),
+        file_(path),
+        progress_(progress, "writing " + path.filename().string(),
+                  kBytesOfAnEvent * (recording.outputs.size() + recording.sensors.size())) {
     scale_ = VcdScale::forRate(recording.rate);
     for (std::size_t i = 0; i < kSignalCount; ++i) {
       const auto signal = static_cast<Signal>(i);
@@ -30,25 +41,30 @@ class Writer {
       wired_.push_back(signal);
       if (!isSensor(signal)) outputs_.push_back({signal, *pin});
     }
-    // About 12 characters a stamp and 3 a change.
-    text_.reserve(4096 + recording.outputs.size() * 22 + recording.sensors.size() * 18);
+    text_.reserve(kPiece + 4096);
   }
 
-  /// The file's text without its last line, the sum.
+  /// Returns the sum of all but the last line, in which it stands.
   std::string write() {
     header();
-    std::size_t sensor = 0;
-    for (const auto& event : recording_.outputs) {
-      while (sensor < recording_.sensors.size() && recording_.sensors[sensor].tick < event.tick)
-        writeSensor(sensor++);
+    const auto sensors = recording_.sensors.streamed();
+    auto sensor = sensors.begin();
+    std::uint64_t events = 0;
+    for (const auto& event : recording_.outputs.streamed()) {
+      for (; sensor != sensors.end() && sensor->tick < event.tick; ++sensor) writeSensor(*sensor);
       writeOutput(event);
+      progress_.done(++events * kBytesOfAnEvent);
     }
-    while (sensor < recording_.sensors.size()) writeSensor(sensor++);
+    for (; sensor != sensors.end(); ++sensor) writeSensor(*sensor);
     // sigrok drops what happens at the last stamp.
     const Tick last = stamped_ ? tick_ + 1 : 0;
     stamp(std::max(recording_.end, last));
     words();
-    return std::move(text_);
+    flush();
+    std::string sum = digest_.digest();
+    file_.write(vcdSumLine(sum));
+    file_.commit();
+    return sum;
   }
 
  private:
@@ -60,10 +76,11 @@ class Writer {
       text_ += "$comment kerfbench stamp_err " + std::to_string(recording_.stamp_err_ticks) + " $end\n";
     if (!recording_.uart.empty())
       text_ += "$comment kerfbench words " + std::to_string(recording_.uart.size()) + " $end\n";
-    for (const auto& event : recording_.outputs) {
+    for (const auto& event : recording_.outputs.streamed()) {
       if ((event.flags & PinEvent::kGap) == 0) continue;
       text_ += "$comment kerfbench gap " + std::to_string(event.tick) + " " + std::to_string(event.port) +
                " $end\n";
+      endLine();
     }
     for (const std::string& problem : recording_.problems)
       text_ += "$comment kerfbench problem " + vcdWords(problem) + " $end\n";
@@ -77,6 +94,15 @@ class Writer {
     text_ += "$end\n";
   }
 
+  void flush() {
+    digest_.add(text_);
+    file_.write(text_);
+    text_.clear();
+  }
+  void endLine() {
+    if (text_.size() >= kPiece) flush();
+  }
+
   // At the end: sigrok reads a header again and again while it grows.
   void words() {
     for (const auto& [tick, bytes] : recording_.uart) {
@@ -87,6 +113,7 @@ class Writer {
         text_ += kDigits[byte & 15U];
       }
       text_ += " $end\n";
+      endLine();
     }
   }
 
@@ -97,8 +124,7 @@ class Writer {
       change(signal, (event.level >> pin.bit & 1U) != 0);
     }
   }
-  void writeSensor(std::size_t index) {
-    const auto& edge = recording_.sensors[index];
+  void writeSensor(const SensorEdge& edge) {
     if (!map_.pin(edge.signal)) return;
     stamp(edge.tick);
     change(edge.signal, edge.level);
@@ -107,6 +133,7 @@ class Writer {
     text_ += level ? '1' : '0';
     text_ += identifier(signal);
     text_ += '\n';
+    endLine();
   }
   void stamp(Tick tick) {
     if (tick < tick_) throw std::invalid_argument("writeVcd: events are not in order of tick");
@@ -132,19 +159,19 @@ class Writer {
   };
   std::vector<Signal> wired_;
   std::vector<Output> outputs_;
-  std::string text_;
+  base::AtomicFile file_;
+  base::ShareProgress progress_;
+  base::Sha256 digest_;
+  std::string text_;  ///< Not yet written.
   Tick tick_{};
   bool stamped_{};
 };
 
 }  // namespace
 
-std::string writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map) {
-  std::string text = Writer(recording, map).write();
-  const std::string sum = base::sha256(text);
-  text += "$comment kerfbench sum " + sum + " $end\n";
-  base::writeFileAtomically(path, text);
-  return sum;
+std::string writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map,
+                     const base::ProgressFn& progress) {
+  return Writer(path, recording, map, progress).write();
 }
 
 }  // namespace kerfbench::source

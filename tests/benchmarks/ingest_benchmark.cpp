@@ -18,7 +18,6 @@ constexpr std::size_t kEvents = 4'000'000;
 source::PinRecording repeated(const RecordedRun& run, std::size_t times) {
   source::PinRecording recording;
   recording.rate = run.rate;
-  recording.outputs.reserve(times * run.events.size());
   for (std::size_t i = 0; i < times; ++i) {
     for (PinEvent event : run.events) {
       event.tick += i * (run.end + 1);

@@ -33,7 +33,7 @@ RecordedRun record(const std::filesystem::path& scenario, const std::filesystem:
   run::RecordedRun result =
       run::runLockstep(*source, model, run.machine.signals, job.dialog.get(), lockstep, {});
   if (!result.problems.empty()) throw std::runtime_error(run.name + ": " + result.problems.front());
-  run.events = std::move(result.recording.outputs);
+  run.events.assign(result.recording.outputs.begin(), result.recording.outputs.end());
   run.end = result.recording.end;
   return run;
 }

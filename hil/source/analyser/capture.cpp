@@ -56,15 +56,15 @@ std::vector<std::string> problemsOf(const AnalyserCaptureOptions& options, const
   return problems;
 }
 
-PinRecording recordingOf(const RunRecorder& heard, std::uint64_t samplerate_hz) {
+PinRecording recordingOf(RunRecorder& heard, std::uint64_t samplerate_hz) {
   const std::uint64_t lead = samplesOf(kLeadBeforeEdges_s, samplerate_hz);
   const std::uint64_t tail = samplesOf(kTailAfterEdges_s, samplerate_hz);
   // The levels at the start have tick 1, and the first edge comes later than both.
   const bool early = heard.firstEdge() <= lead;
   const auto origin = early ? std::int64_t{-1} : static_cast<std::int64_t>(heard.firstEdge() - lead);
   const auto last = static_cast<Tick>(static_cast<std::int64_t>(heard.lastEdge()) - origin);
-  return heard.recording(samplerate_hz,
-                         {.origin = origin, .start = 1, .end = heard.edges() == 0 ? tail : last + tail});
+  const Tick end = heard.edges() == 0 ? tail : last + tail;
+  return heard.takeRecording(samplerate_hz, {.origin = origin, .start = 1, .end = end});
 }
 
 }  // namespace
@@ -81,7 +81,7 @@ PinCapture captureAnalyser(const AnalyserCaptureOptions& options, const SignalMa
   while (!too_many && feed->read(runs)) {
     for (const LevelRun& run : runs) heard.add(run);
     runs.clear();
-    too_many = heard.edges() > kMostCapturedEdges;
+    too_many = heard.edges() > kMostSampledEdges;
   }
   const AnalyserEnd end = feed->end();
   PinCapture captured;

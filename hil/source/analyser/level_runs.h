@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -30,7 +31,14 @@ class SamplePacker {
 
  private:
   [[nodiscard]] std::uint32_t levelsOf(std::uint64_t sample) const;
+  /// Takes a sample that is not as the one before; the run before it is `count` long.
+  void change(std::uint64_t sample, std::uint64_t& count, std::vector<LevelRun>& runs);
+  template <class Sample>
+  void addWords(std::span<const std::uint8_t> samples, std::vector<LevelRun>& runs);
+
   std::vector<unsigned> bits_;
+  /// Levels that each value of each byte of a sample stands for.
+  std::vector<std::array<std::uint32_t, 256>> levels_of_byte_;
   std::optional<std::uint64_t> last_;
   std::uint32_t levels_{};
 };

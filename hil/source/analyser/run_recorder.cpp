@@ -1,15 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/source/analyser/run_recorder.h"
 
+#include <algorithm>
+#include <bit>
 #include <stdexcept>
+#include <utility>
 
 namespace kerfbench::source {
 
-RunRecorder::RunRecorder(const std::vector<Signal>& signals, const SignalMap& map) : signals_(signals) {
+RunRecorder::RunRecorder(const std::vector<Signal>& signals, const SignalMap& map) {
   for (const Signal signal : signals) {
     if (!map.pin(signal))
       throw std::invalid_argument("a channel for a signal that the machine does not have");
-    pins_.push_back(*map.pin(signal));
+    const std::uint16_t number = map.pin(signal)->port;
+    if (!isSensor(signal) && std::ranges::find(ports_, number, &Port::number) == ports_.end())
+      ports_.push_back({.number = number});
+  }
+  std::ranges::sort(ports_, {}, &Port::number);
+  for (const Signal signal : signals) {
+    const PinId pin = *map.pin(signal);
+    const auto port = std::ranges::find(ports_, pin.port, &Port::number) - ports_.begin();
+    channels_.push_back({signal, isSensor(signal), static_cast<std::size_t>(port),
+                         static_cast<std::uint16_t>(1U << pin.bit)});
   }
 }
 
@@ -18,55 +30,62 @@ void RunRecorder::add(const LevelRun& run) {
   if (!levels_) {
     first_levels_ = run.levels;
     event(0, run.levels, run.levels);
-    start_ = std::move(outputs_);
-    outputs_.clear();
   } else if (run.levels != *levels_) {
     if (first_edge_ == 0) first_edge_ = samples_;
     last_edge_ = samples_;
+    edges_ += static_cast<std::uint64_t>(std::popcount(*levels_ ^ run.levels));
     event(samples_, *levels_ ^ run.levels, run.levels);
   }
   levels_ = run.levels;
   samples_ += run.samples;
 }
 
-void RunRecorder::event(std::uint64_t sample, std::uint32_t changed, std::uint32_t levels) {
-  std::map<std::uint16_t, std::uint16_t> changed_ports;
-  for (std::size_t i = 0; i < pins_.size(); ++i) {
-    if ((changed >> i & 1U) == 0) continue;
-    if (sample > 0) ++edges_;
-    const bool high = (levels >> i & 1U) != 0;
-    if (isSensor(signals_[i])) {
-      sensors_.push_back({sample, signals_[i], high});
-      continue;
-    }
-    const auto mask = static_cast<std::uint16_t>(1U << pins_[i].bit);
-    std::uint16_t& level = port_levels_[pins_[i].port];
-    level = static_cast<std::uint16_t>(high ? level | mask : level & ~mask);
-    changed_ports[pins_[i].port] |= mask;
-  }
-  for (const auto& [port, mask] : changed_ports)
-    outputs_.push_back({sample, port, mask, port_levels_[port], PinEvent::kNone});
+void RunRecorder::put(Port& port, std::uint64_t sample, std::uint16_t changed) {
+  port.level ^= changed;
+  outputs_.push_back({sample, port.number, changed, port.level, PinEvent::kNone});
 }
 
-PinRecording RunRecorder::recording(std::uint64_t samplerate_hz, const Cut& cut) const {
+void RunRecorder::event(std::uint64_t sample, std::uint32_t changed, std::uint32_t levels) {
+  if (std::has_single_bit(changed)) {  // As nearly always.
+    const Channel& channel = channels_[static_cast<std::size_t>(std::countr_zero(changed))];
+    if (!channel.is_sensor) return put(ports_[channel.port], sample, channel.mask);
+  }
+  for (std::uint32_t left = changed; left != 0; left &= left - 1) {
+    const Channel& channel = channels_[static_cast<std::size_t>(std::countr_zero(left))];
+    if (channel.is_sensor) {
+      sensors_.push_back({sample, channel.signal, (levels & left & (0U - left)) != 0});
+    } else {
+      ports_[channel.port].changed |= channel.mask;
+    }
+  }
+  for (Port& port : ports_) {
+    if (const auto mask = std::exchange(port.changed, std::uint16_t{0}); mask != 0) put(port, sample, mask);
+  }
+}
+
+PinRecording RunRecorder::takeRecording(std::uint64_t samplerate_hz, const Cut& cut) {
   PinRecording recording;
   recording.rate = {1, samplerate_hz};
   recording.stamp_err_ticks = 1;
   recording.end = cut.end;
+  if (cut.origin == 0 && cut.start == 0) {
+    recording.outputs = std::move(outputs_);
+    recording.sensors = std::move(sensors_);
+    return recording;
+  }
   const auto tickOf = [&](Tick sample) {
-    return static_cast<Tick>(static_cast<std::int64_t>(sample) - cut.origin);
+    return sample == 0 ? cut.start : static_cast<Tick>(static_cast<std::int64_t>(sample) - cut.origin);
   };
-  recording.outputs = start_;
-  for (PinEvent& event : recording.outputs) event.tick = cut.start;
-  recording.outputs.reserve(start_.size() + outputs_.size() + 1);
-  for (PinEvent event : outputs_) {
+  for (PinEvent event : outputs_.streamed()) {
     event.tick = tickOf(event.tick);
     recording.outputs.push_back(event);
   }
-  for (SensorEdge edge : sensors_) {
-    edge.tick = edge.tick == 0 ? cut.start : tickOf(edge.tick);
+  for (SensorEdge edge : sensors_.streamed()) {
+    edge.tick = tickOf(edge.tick);
     recording.sensors.push_back(edge);
   }
+  outputs_.clear();
+  sensors_.clear();
   return recording;
 }
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <vector>
 
+#include "hil/base/spilled_vector.h"
 #include "hil/source/analyser/level_runs.h"
 #include "hil/source/vcd.h"
 #include "twin/base/signal_map.h"
@@ -35,24 +35,36 @@ class RunRecorder {
     Tick start{};           ///< Time of the levels that are high at the start; before the first edge.
     Tick end{};
   };
-  /// Recording of the capture so far, at `samplerate_hz`.
-  [[nodiscard]] PinRecording recording(std::uint64_t samplerate_hz, const Cut& cut) const;
+  /// Recording of the capture, at `samplerate_hz`, which takes its events away.
+  [[nodiscard]] PinRecording takeRecording(std::uint64_t samplerate_hz, const Cut& cut);
 
  private:
   void event(std::uint64_t sample, std::uint32_t changed, std::uint32_t levels);
 
-  std::vector<Signal> signals_;
-  std::vector<PinId> pins_;
+  struct Channel {
+    Signal signal{};
+    bool is_sensor{};
+    std::size_t port{};  ///< Index in ports_.
+    std::uint16_t mask{};
+  };
+  struct Port {
+    std::uint16_t number{};
+    std::uint16_t level{};
+    std::uint16_t changed{};  ///< Bits that the run changes which is being added.
+  };
+  void put(Port& port, std::uint64_t sample, std::uint16_t changed);
+
+  std::vector<Channel> channels_;
+  std::vector<Port> ports_;  ///< Sorted by number.
   std::optional<std::uint32_t> levels_;
   std::uint32_t first_levels_{};
   std::uint64_t samples_{};
   std::uint64_t edges_{};
   std::uint64_t first_edge_{};
   std::uint64_t last_edge_{};
-  std::map<std::uint16_t, std::uint16_t> port_levels_;
-  std::vector<PinEvent> start_;    ///< Events that stand for the first sample's levels.
-  std::vector<PinEvent> outputs_;  ///< Events of the outputs by sample.
-  std::vector<SensorEdge> sensors_;
+  base::SpilledVector<PinEvent>
+      outputs_;  ///< Sorted by sample; those of sample 0 stand for the first levels.
+  base::SpilledVector<SensorEdge> sensors_;
 };
 
 }  // namespace kerfbench::source

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/base/progress.h"
 #include "hil/source/vcd.h"
 #include "twin/base/signal_map.h"
 
@@ -23,7 +24,8 @@ using ChannelNames = std::vector<std::pair<Signal, std::string>>;
 /// channel, channels twice, more than one device, missing or damaged parts and half a sample are refused.
 /// Problems that writeSr() found stay.
 /// @throws std::runtime_error listing every fault, with the path.
-PinRecording readSr(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names);
+PinRecording readSr(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names,
+                    const base::ProgressFn& progress = {});
 
 /// A session file that is written has fewer samples.
 inline constexpr std::uint64_t kMostSrSamples = std::uint64_t{1} << 36U;

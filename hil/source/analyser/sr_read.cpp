@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "hil/base/progress.h"
 #include "hil/source/analyser/level_runs.h"
 #include "hil/source/analyser/run_recorder.h"
 #include "hil/source/analyser/sr_file.h"
@@ -22,8 +23,9 @@ constexpr std::uint64_t kMostSampleBytes = std::uint64_t{64} << 30U;
 
 class SrReader {
  public:
-  SrReader(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names)
-      : path_(path.string()), map_(map), names_(names), zip_(path) {}
+  SrReader(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names,
+           const base::ProgressFn& progress)
+      : path_(path.string()), map_(map), names_(names), progress_(progress), zip_(path) {}
 
   PinRecording read() {
     if (zip_.sizeOf(sr_parts::kVersion).value_or(0) == 0 || !zip_.sizeOf(sr_parts::kMetadata))
@@ -107,6 +109,7 @@ class SrReader {
     if (parts_.empty() || zip_.sizeOf(behind))
       faults_.push_back(fmt::format("no part '{}-{}' with samples: the file is truncated",
                                     metadata_.samples_name, parts_.size() + 1));
+    bytes_ = bytes;
     if (bytes > kMostSampleBytes) faults_.emplace_back("more than 64 GiB of samples");
     if (metadata_.sample_bytes > 0 && bytes % metadata_.sample_bytes != 0)
       faults_.emplace_back("ends with half a sample: it is truncated");
@@ -114,24 +117,37 @@ class SrReader {
   }
 
   PinRecording record() {
+    base::ShareProgress progress(progress_, "reading " + std::filesystem::path(path_).filename().string(),
+                                 bytes_);
     SamplePacker packer(bits_);
     RunRecorder recorder(signals_, map_);
-    std::vector<std::uint8_t> rest;
+    std::vector<std::uint8_t> rest;  // Begin of a sample that goes on in the next block.
     std::vector<LevelRun> runs;
+    const auto take = [&](std::span<const std::uint8_t> whole) {
+      packer.add(whole, metadata_.sample_bytes, runs);
+      for (const LevelRun& run : runs) recorder.add(run);
+      runs.clear();
+    };
+    std::uint64_t done = 0;
     for (const std::string& part : parts_) {
       zip_.read(part, [&](std::span<const std::uint8_t> block) {
-        rest.insert(rest.end(), block.begin(), block.end());
-        const std::size_t whole = rest.size() / metadata_.sample_bytes * metadata_.sample_bytes;
-        packer.add(std::span(rest).first(whole), metadata_.sample_bytes, runs);
-        rest.erase(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(whole));
-        for (const LevelRun& run : runs) recorder.add(run);
-        runs.clear();
-        if (recorder.edges() > kMostCapturedEdges)
-          throw std::runtime_error(path_ + ": " + kTooManyEdgesWords);
+        progress.done(done += block.size());
+        if (!rest.empty()) {
+          const std::size_t missing = std::min(metadata_.sample_bytes - rest.size(), block.size());
+          rest.insert(rest.end(), block.begin(), block.begin() + static_cast<std::ptrdiff_t>(missing));
+          block = block.subspan(missing);
+          if (rest.size() < metadata_.sample_bytes) return;
+          take(rest);
+          rest.clear();
+        }
+        const std::size_t whole = block.size() / metadata_.sample_bytes * metadata_.sample_bytes;
+        take(block.first(whole));
+        rest.assign(block.begin() + static_cast<std::ptrdiff_t>(whole), block.end());
+        if (recorder.edges() > kMostSampledEdges) throw std::runtime_error(path_ + ": " + kTooManyEdgesWords);
       });
     }
-    PinRecording recording =
-        recorder.recording(metadata_.samplerate_hz, {.origin = 0, .start = 0, .end = recorder.samples() - 1});
+    PinRecording recording = recorder.takeRecording(metadata_.samplerate_hz,
+                                                    {.origin = 0, .start = 0, .end = recorder.samples() - 1});
     readProblems(recording);
     return recording;
   }
@@ -151,18 +167,21 @@ class SrReader {
   std::string path_;
   const SignalMap& map_;
   const ChannelNames& names_;
+  const base::ProgressFn& progress_;
   ZipReader zip_;
   std::vector<std::string> faults_;
   SrMetadata metadata_;
   std::vector<Signal> signals_;
   std::vector<unsigned> bits_;
   std::vector<std::string> parts_;
+  std::uint64_t bytes_{};  ///< Bytes of all samples.
 };
 
 }  // namespace
 
-PinRecording readSr(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names) {
-  return SrReader(path, map, names).read();
+PinRecording readSr(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names,
+                    const base::ProgressFn& progress) {
+  return SrReader(path, map, names, progress).read();
 }
 
 }  // namespace kerfbench::source

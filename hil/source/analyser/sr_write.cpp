@@ -63,6 +63,10 @@ class SampleCursor {
           put(bit, (event.level >> pin.bit & 1U) != 0);
       }
     }
+    if (output_ - given_back_ >= outputs.kStride) {
+      outputs.giveBack(given_back_, output_);
+      given_back_ = output_;
+    }
     const auto& sensors = recording_->sensors;
     for (; sensor_ < sensors.size() && sensors[sensor_].tick <= tick_; ++sensor_) {
       const auto index = static_cast<std::size_t>(sensors[sensor_].signal);
@@ -83,6 +87,7 @@ class SampleCursor {
   std::size_t byte_{};
   std::uint64_t levels_{};
   std::size_t output_{};
+  std::size_t given_back_{};
   std::size_t sensor_{};
 };
 
@@ -105,9 +110,10 @@ SrMetadata metadataOf(const PinRecording& recording, const SignalMap& map) {
 std::string problemsOf(const PinRecording& recording) {
   std::string text;
   for (const std::string& problem : recording.problems) text += vcdWords(problem) + "\n";
-  const auto gap = std::ranges::find_if(
-      recording.outputs, [](const PinEvent& event) { return (event.flags & PinEvent::kGap) != 0; });
-  if (gap != recording.outputs.end())
+  const auto events = recording.outputs.streamed();
+  const auto gap =
+      std::ranges::find_if(events, [](const PinEvent& event) { return (event.flags & PinEvent::kGap) != 0; });
+  if (gap != events.end())
     text += fmt::format("pin events were lost before {:.6f} s\n", recording.rate.seconds(gap->tick));
   return text;
 }

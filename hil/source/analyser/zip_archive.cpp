@@ -88,7 +88,7 @@ void ZipReader::read(const std::string& part,
   };
   const std::unique_ptr<zip_file_t, CloseFile> file(zip_fopen(handle_->archive, part.c_str(), 0));
   if (!file) throw ZipError(path_ + ": " + part + ": " + zip_strerror(handle_->archive));
-  std::vector<std::uint8_t> block(std::size_t{1} << 20U);
+  std::vector<std::uint8_t> block(std::size_t{1} << 18U);
   for (;;) {
     const zip_int64_t got = zip_fread(file.get(), block.data(), block.size());
     if (got < 0) throw ZipError(path_ + ": " + part + ": damaged: " + zip_file_strerror(file.get()));

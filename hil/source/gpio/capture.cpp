@@ -79,8 +79,17 @@ class Capture {
     if (!edges_.empty() && edges_.front().stamp_ns > origin_ns + kLead)
       origin_ns = edges_.front().stamp_ns - kLead;
     PortEvents ports(pinsOf(options_.wires, map_));
-    ports.start(levels_, 1, recording.outputs);
-    for (const LineEdge& edge : edges_) ports.add(edge, edge.stamp_ns - origin_ns, recording.outputs);
+    std::vector<PinEvent> instant;
+    ports.start(levels_, 1, instant);
+    for (const LineEdge& edge : edges_) {
+      const Tick tick = edge.stamp_ns - origin_ns;
+      if (!instant.empty() && instant.back().tick != tick) {
+        recording.outputs.append(instant);
+        instant.clear();
+      }
+      ports.add(edge, tick, instant);
+    }
+    recording.outputs.append(instant);
     recording.end = edges_.empty() ? kTail : edges_.back().stamp_ns - origin_ns + kTail;
     spoilEnd(recording, pinsOf(options_.wires, map_).front().port);
   }

@@ -23,11 +23,12 @@ constexpr PinId kGate{2, 3};
 constexpr std::uint16_t kGateHigh = 1U << 3U;
 
 /// Recording with ticks of a microsecond.
-source::PinRecording recordingOf(std::vector<PinEvent> outputs, std::vector<SensorEdge> sensors = {}) {
+source::PinRecording recordingOf(const std::vector<PinEvent>& outputs,
+                                 const std::vector<SensorEdge>& sensors = {}) {
   source::PinRecording recording;
   recording.rate = {1, 1'000'000};
-  recording.outputs = std::move(outputs);
-  recording.sensors = std::move(sensors);
+  recording.outputs = base::SpilledVector<PinEvent>(outputs);
+  recording.sensors = base::SpilledVector<SensorEdge>(sensors);
   recording.end = 1'000'000;
   return recording;
 }

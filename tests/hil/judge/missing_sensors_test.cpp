@@ -48,14 +48,14 @@ TEST_F(MissingSensors, AWebThatMovesHasEdgesOfItsEncoder) {
 }
 
 TEST_F(MissingSensors, EachEyeMarkThatPassedWasSeen) {
-  recording.sensors.resize(2);
+  recording.sensors = {recording.sensors[0], recording.sensors[1]};
   EXPECT_THAT(found(), ElementsAre(HasSubstr("2 printed eye marks passed their sensor")));
   recording.sensors.clear();
   EXPECT_THAT(found(), ElementsAre(HasSubstr("the edges of 0")));
 }
 
 TEST_F(MissingSensors, AMarkThatHasNotComeYetIsNotMissed) {
-  recording.sensors.resize(2);
+  recording.sensors = {recording.sensors[0], recording.sensors[1]};
   pins.gates = {{0.5, 1.0}};
   EXPECT_THAT(found(), IsEmpty());
 }

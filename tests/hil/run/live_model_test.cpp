@@ -53,7 +53,7 @@ TEST(LiveModelTest, SensorsAheadOfTheClockAreThoseOfTheMachine) {
   WitnessedTwin witnessed(twin);
   for (Tick until = kMs / 2; until <= 900 * kMs; until += kMs / 2) witnessed.advance(until, {});
   const SensorLag lag =
-      sensorLag(witnessed.due(), ahead, kRate, 900 * kMs,
+      sensorLag(witnessed.due(), base::SpilledVector<SensorEdge>(ahead), kRate, 900 * kMs,
                 {Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark, Signal::kInterlock}, 10e-6);
   EXPECT_THAT(lag.problems, IsEmpty());
   EXPECT_GT(lag.lag.edges(), 3500U);

@@ -30,7 +30,10 @@ class SensorLagTest : public testing::Test {
     due.push_back({40 * kMs + 7, Signal::kPrintMark, false});
     driven = due;
   }
-  SensorLag found(Tick end = 200 * kMs) { return sensorLag(due, driven, kRate, end, kSignals, kLimit_s); }
+  SensorLag found(Tick end = 200 * kMs) {
+    using Edges = base::SpilledVector<SensorEdge>;
+    return sensorLag(Edges(due), Edges(driven), kRate, end, kSignals, kLimit_s);
+  }
   std::vector<SensorEdge> due;
   std::vector<SensorEdge> driven;
 };

@@ -10,7 +10,8 @@ constexpr TickRate kRate{1, 1000};
 
 std::vector<long long> countsOf(const std::vector<SensorEdge>& sensors) {
   std::vector<long long> counts;
-  for (const EncoderEdge& edge : encoderEdges(sensors, kRate)) counts.push_back(edge.counts);
+  for (const EncoderEdge& edge : encoderEdges(base::SpilledVector<SensorEdge>(sensors), kRate))
+    counts.push_back(edge.counts);
   return counts;
 }
 
@@ -34,7 +35,7 @@ TEST(EncoderEdges, ABeltThatTurnsComesBackToWhereItWas) {
 
 TEST(EncoderEdges, OtherSignalsAndLevelsThatDoNotChangeArePassedOver) {
   const auto edges = encoderEdges(
-      std::vector<SensorEdge>{
+      base::SpilledVector<SensorEdge>{
           {1, kA, false}, {2, Signal::kPrintMark, true}, {3, kA, true}, {4, kA, true}, {5, kB, true}},
       kRate);
   ASSERT_EQ(edges.size(), 2U);

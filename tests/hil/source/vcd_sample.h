@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -64,14 +65,28 @@ inline PinRecording sampleRecording(std::size_t pulses, TickRate rate = {1, 16'0
   return recording;
 }
 
+inline bool sameSensors(const base::SpilledVector<SensorEdge>& a, const base::SpilledVector<SensorEdge>& b) {
+  return std::ranges::equal(a, b, [](const SensorEdge& x, const SensorEdge& y) {
+    return x.tick == y.tick && x.signal == y.signal && x.level == y.level;
+  });
+}
+
 class VcdTest : public ::testing::Test {
- protected:
+ public:
   [[nodiscard]] static std::filesystem::path file(const std::string& name) {
     return std::filesystem::path(::testing::TempDir()) / ("kerfbench-" + name);
   }
   [[nodiscard]] static std::string contentOf(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// A folder in memory for what only a test wants large, where there is one: no disk has to take it.
+  static std::filesystem::path roomyFolder() {
+    const std::filesystem::path shared = "/dev/shm";
+    std::error_code none;
+    return std::filesystem::space(shared, none).available / 2 > std::uintmax_t{1} << 30U && !none
+               ? shared
+               : std::filesystem::path(::testing::TempDir());
   }
   static std::filesystem::path put(const std::string& name, const std::string& content) {
     const auto path = file(name);

@@ -10,12 +10,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-bool sameSensors(const std::vector<SensorEdge>& a, const std::vector<SensorEdge>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const SensorEdge& x, const SensorEdge& y) {
-    return x.tick == y.tick && x.signal == y.signal && x.level == y.level;
-  });
-}
-
 class VcdRates : public VcdTest, public ::testing::WithParamInterface<TickRate> {};
 
 TEST_P(VcdRates, RoundTripIsExactToTheTickAndTheByte) {
@@ -110,9 +104,10 @@ TEST_F(VcdTest, EmptyRunIsAFileToo) {
 
 TEST_F(VcdTest, GapsSurvive) {
   auto recording = sampleRecording(100);
-  recording.outputs[40].flags = PinEvent::kGap;
-  recording.outputs.insert(recording.outputs.begin() + 60,
-                           PinEvent{recording.outputs[59].tick + 1, 9, 2, 2, PinEvent::kGap});
+  std::vector<PinEvent> events(recording.outputs.begin(), recording.outputs.end());
+  events[40].flags = PinEvent::kGap;
+  events.insert(events.begin() + 60, PinEvent{events[59].tick + 1, 9, 2, 2, PinEvent::kGap});
+  recording.outputs = base::SpilledVector<PinEvent>(events);
   writeVcd(file("gap.vcd"), recording, sampleMap());
   const auto back = readVcd(file("gap.vcd"), sampleMap());
   ASSERT_EQ(back.outputs.size(), recording.outputs.size());

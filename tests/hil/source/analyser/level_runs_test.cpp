@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace kerfbench::source {
@@ -35,6 +36,43 @@ TEST(SamplePacker, TakesWideSamplesAndGoesOnFromCallToCall) {
   EXPECT_THAT(packed(packer, {0, 0, 2, 8, 0, 2}, 3), ElementsAre(LevelRun{1, 0b01}, LevelRun{1, 0b11}));
   EXPECT_THAT(packed(packer, {8, 0, 2, 0, 0, 0}, 3), ElementsAre(LevelRun{1, 0b11}, LevelRun{1, 0}));
   EXPECT_THAT(packed(packer, {}, 3), IsEmpty());
+}
+
+/// Runs of channel 3 (and 0) of the samples, one sample after the other, across all calls.
+std::vector<LevelRun> oneByOne(const std::vector<std::uint8_t>& samples, std::size_t sample_bytes) {
+  std::vector<LevelRun> runs;
+  for (std::size_t at = 0; at < samples.size(); at += sample_bytes) {
+    const std::uint32_t levels = (samples[at] >> 3U & 1U) | (samples[at + sample_bytes - 1] >> 6U & 1U) << 1U;
+    if (runs.empty() || runs.back().levels != levels) runs.push_back({0, levels});
+    ++runs.back().samples;
+  }
+  return runs;
+}
+
+TEST(SamplePacker, FindsEachChangeWhereverItIsInAWord) {
+  std::uint64_t state = 5;
+  const auto random = [&state](std::uint64_t below) {
+    state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+    return (state >> 33U) % below;
+  };
+  for (const std::size_t bytes : {1U, 2U, 3U, 4U, 8U}) {
+    std::vector<std::uint8_t> samples(bytes * 5000);
+    for (std::size_t at = bytes; at < samples.size(); ++at)
+      samples[at] = random(3) == 0 ? static_cast<std::uint8_t>(random(256)) : samples[at - bytes];
+    SamplePacker packer({3, static_cast<unsigned>(8 * bytes - 2)});
+    std::vector<LevelRun> all;
+    for (std::size_t at = 0; at < samples.size();) {
+      const std::size_t size = std::min(samples.size() - at, bytes * random(40));
+      std::vector<LevelRun> runs;
+      packer.add(std::span(samples).subspan(at, size), bytes, runs);
+      for (const LevelRun& run : runs) {
+        if (all.empty() || all.back().levels != run.levels) all.push_back({0, run.levels});
+        all.back().samples += run.samples;
+      }
+      at += size;
+    }
+    EXPECT_EQ(all, oneByOne(samples, bytes)) << bytes;
+  }
 }
 
 TEST(SamplePacker, RefusesWhatIsNoWholeNumberOfSamples) {

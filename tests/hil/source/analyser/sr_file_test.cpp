@@ -221,7 +221,9 @@ TEST_F(SrFile, LongOnesAreWrittenInParts) {
 TEST_F(SrFile, WhatSpoiledARecordingStaysInIt) {
   PinRecording recording = sampleRecording(100);
   recording.problems = {"a chip has gone,\n 100 %"};
-  recording.outputs[40].flags = PinEvent::kGap;
+  std::vector<PinEvent> events(recording.outputs.begin(), recording.outputs.end());
+  events[40].flags = PinEvent::kGap;
+  recording.outputs = base::SpilledVector<PinEvent>(events);
   writeSr(file("spoiled.sr"), recording, sampleMap());
   EXPECT_THAT(readSr(file("spoiled.sr"), sampleMap(), {}).problems,
               ElementsAre("a chip has gone,\n 100 %", HasSubstr("pin events were lost before 0.00")));
