@@ -68,7 +68,7 @@ class SpilledBytes {
 
  private:
   [[nodiscard]] std::size_t block() const;
-  void growOnHeap(std::size_t most);
+  void growOnHeap(std::size_t capacity);
   /// Puts the file over a new range of addresses, the block being filled behind it.
   void map(std::size_t filed);
   void moveBlock(std::byte* to);

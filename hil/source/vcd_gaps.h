@@ -23,6 +23,7 @@ class VcdGaps {
     is_sorted_ = false;
   }
 
+  [[nodiscard]] bool none() const { return gaps_.empty(); }
   /// Appends the gaps before an instant, and marks those in it. `instant`: all events of one tick, to be
   /// appended next.
   void put(std::vector<PinEvent>& instant, base::SpilledVector<PinEvent>& outputs) {

@@ -13,7 +13,6 @@
 
 #include "hil/base/digest.h"
 #include "hil/base/number_from.h"
-#include "hil/base/piece_reader.h"
 #include "hil/base/text.h"
 #include "hil/source/vcd.h"
 #include "hil/source/vcd_gaps.h"
@@ -333,22 +332,34 @@ class Reader {
     auto& level = levels_[pin.port];
     const auto mask = static_cast<std::uint16_t>(1U << pin.bit);
     level = static_cast<std::uint16_t>(high ? level | mask : level & ~mask);
-    if (!instant_.empty() && instant_.front().tick != tick_) flush();
-    for (PinEvent& event : instant_) {
-      if (event.port != pin.port) continue;
-      if ((event.changed & mask) != 0) fault("a wire changes twice at one stamp");
-      event.changed |= mask;
-      event.level = level;
+    if (has_event_ && event_.tick == tick_) return join(pin.port, mask, level);
+    flush();
+    event_ = {tick_, pin.port, mask, level, PinEvent::kNone};
+    has_event_ = true;
+  }
+
+  /// A change at the tick of the last event.
+  void join(std::uint16_t port, std::uint16_t mask, std::uint16_t level) {
+    PinEvent* event = event_.port == port ? &event_ : nullptr;
+    for (PinEvent& other : beside_) event = other.port == port ? &other : event;
+    if (event == nullptr) {
+      beside_.push_back({tick_, port, mask, level, PinEvent::kNone});
       return;
     }
-    instant_.push_back({tick_, pin.port, mask, level, PinEvent::kNone});
+    if ((event->changed & mask) != 0) fault("a wire changes twice at one stamp");
+    event->changed |= mask;
+    event->level = level;
   }
 
   /// Events of one tick that is over, and the gaps up to then.
   void flush() {
-    gaps_.put(instant_, recording_.outputs);
-    for (const PinEvent& event : instant_) recording_.outputs.push_back(event);
-    instant_.clear();
+    if (!has_event_) return;
+    has_event_ = false;
+    if (beside_.empty() && gaps_.none()) return recording_.outputs.push_back(event_);
+    beside_.insert(beside_.begin(), event_);
+    gaps_.put(beside_, recording_.outputs);
+    recording_.outputs.append(beside_);
+    beside_.clear();
   }
 
   void finish() {
@@ -389,55 +400,19 @@ class Reader {
       std::vector<std::uint16_t>(std::size_t{1} << 16U);  ///< Levels of each port.
   VcdScale scale_;
   PinRecording recording_;
-  std::vector<PinEvent> instant_;  ///< Events of the tick that is being read.
+  PinEvent event_;                ///< First event of the tick that is being read.
+  std::vector<PinEvent> beside_;  ///< Its events of other ports.
+  bool has_event_{};
   std::uint64_t stamp_{};
   Tick tick_{};
   bool stamped_{};
 };
-
-/// Where the last line of a file of Kerfbench begins, if it is one that a sum can stand in.
-std::optional<std::uint64_t> beginOfSum(base::PieceReader& file, std::string& sum) {
-  constexpr std::size_t kDigits = 64;
-  constexpr std::size_t kPiece = std::size_t{1} << 16U;
-  const std::size_t length = vcdSumLine(std::string(kDigits, '0')).size() - 1;
-  // Blanks behind it belong to no line.
-  std::uint64_t end = file.size();
-  std::string tail;
-  const auto readBefore = [&](std::size_t bytes) {
-    tail.resize(static_cast<std::size_t>(std::min<std::uint64_t>(bytes, end)));
-    file.seek(end - tail.size());
-    tail.resize(file.read(tail));
-  };
-  for (std::size_t last = std::string::npos; last == std::string::npos && end > 0;) {
-    readBefore(kPiece);
-    if (tail.empty()) return std::nullopt;
-    last = tail.find_last_not_of(" \n");
-    end -= tail.size() - (last == std::string::npos ? 0 : last + 1);
-  }
-  readBefore(length);
-  if (tail.size() != length || !tail.starts_with(kVcdSumBegin)) return std::nullopt;
-  sum = tail.substr(kVcdSumBegin.size(), kDigits);
-  if (tail + "\n" != vcdSumLine(sum)) return std::nullopt;
-  return end - length;
-}
 
 }  // namespace
 
 PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map,
                      const base::ProgressFn& progress) {
   return Reader(path, map, progress).read();
-}
-
-std::optional<std::string> vcdSum(const std::filesystem::path& path) {
-  base::PieceReader file(path, path.string());
-  std::string sum;
-  const auto begin = beginOfSum(file, sum);
-  if (!begin) return std::nullopt;
-  file.seek(0);
-  base::Sha256 digest;
-  base::forEachPiece(file, *begin, [&](std::string_view piece) { digest.add(piece); });
-  if (digest.digest() != sum) return std::nullopt;
-  return sum;
 }
 
 }  // namespace kerfbench::source

@@ -22,6 +22,29 @@ VcdText::VcdText(const std::filesystem::path& path, const base::ProgressFn& prog
   at_ = end_ = digested_ = buffer_.data();
 }
 
+std::string_view VcdText::wordAcrossPieces() {
+  const char* at = at_;
+  for (;;) {
+    for (; at != end_ && static_cast<unsigned char>(*at) <= ' '; ++at) line_ += *at == '\n' ? 1U : 0U;
+    at_ = at;
+    if (at != end_ || !more(at)) break;
+    at = at_;
+  }
+  const char* start = at_;
+  for (at = start;;) {
+    const char* const end = end_;
+    while (at != end && static_cast<unsigned char>(*at) > ' ') ++at;
+    at_ = at;
+    if (at != end) break;
+    const auto length = at - start;
+    const bool has_more = more(start);
+    at = at_;
+    start = at - length;
+    if (!has_more) break;
+  }
+  return {start, static_cast<std::size_t>(at - start)};
+}
+
 bool VcdText::more(const char* from) {
   const char* const begin = buffer_.data();
   if (kept_) from = begin + *kept_;

@@ -39,24 +39,14 @@ class VcdText {
   /// @throws std::length_error, std::system_error.
   std::string_view word() {
     const char* at = at_;
-    for (;;) {
-      for (; at != end_ && static_cast<unsigned char>(*at) <= ' '; ++at) line_ += *at == '\n' ? 1U : 0U;
-      at_ = at;
-      if (at != end_ || !more(at)) break;
-      at = at_;
-    }
-    const char* start = at_;
-    for (at = start;;) {
-      const char* const end = end_;
-      while (at != end && static_cast<unsigned char>(*at) > ' ') ++at;
-      at_ = at;
-      if (at != end) break;
-      const auto length = at - start;
-      const bool has_more = more(start);
-      at = at_;
-      start = at - length;
-      if (!has_more) break;
-    }
+    const char* const end = end_;
+    std::size_t lines = 0;
+    for (; at != end && static_cast<unsigned char>(*at) <= ' '; ++at) lines += *at == '\n' ? 1U : 0U;
+    const char* const start = at;
+    while (at != end && static_cast<unsigned char>(*at) > ' ') ++at;
+    if (at == end) return wordAcrossPieces();
+    line_ += lines;
+    at_ = at;
     return {start, static_cast<std::size_t>(at - start)};
   }
 
@@ -81,6 +71,7 @@ class VcdText {
   bool onlyBlanksFollow();
 
  private:
+  std::string_view wordAcrossPieces();
   /// Reads another piece behind [from, end_), which moves to another place. False: the file is at its end.
   bool more(const char* from);
   void digestUpTo(const char* place);
