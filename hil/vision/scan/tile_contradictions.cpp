@@ -139,7 +139,9 @@ double changedLight(const StationInView& first, const StationInView& second, dou
   const double from_mm = std::min(one.offset_mm - 0.5 * one.width_mm, two_mm - 0.5 * two.width_mm);
   const double to_mm = std::max(one.offset_mm + 0.5 * one.width_mm, two_mm + 0.5 * two.width_mm);
   double changed = 0.0;
-  for (double x_mm = from_mm - a.pixel_mm; x_mm <= to_mm + a.pixel_mm; x_mm += a.step_mm) {
+  const int steps = static_cast<int>((to_mm - from_mm + 2.0 * a.pixel_mm) / a.step_mm);
+  for (int i = 0; i <= steps; ++i) {
+    const double x_mm = from_mm - a.pixel_mm + i * a.step_mm;
     changed += a.step_mm *
                std::abs(lightOver(a, one.base_gray, x_mm) - lightOver(b, two.base_gray, x_mm + expected_mm));
   }
