@@ -401,7 +401,7 @@ class Reader {
   VcdScale scale_;
   PinRecording recording_;
   PinEvent event_;                ///< First event of the tick that is being read.
-  std::vector<PinEvent> beside_;  ///< Its events of other ports.
+  std::vector<PinEvent> beside_;  ///< Events of other ports at that tick.
   bool has_event_{};
   std::uint64_t stamp_{};
   Tick tick_{};
