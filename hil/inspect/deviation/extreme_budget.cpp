@@ -87,7 +87,7 @@ std::vector<Side> sidesOf(const std::vector<ExtremePoint>& points, double sign, 
   return sides;
 }
 
-/// Of all points, or some sum beyond which no chance is left.
+/// Sum over all points, or some sum beyond which no chance is left.
 double totalHazard(const std::vector<Side>& sides, double w) {
   constexpr double kCertain = 60.0;
   double sum = 0.0;

@@ -68,7 +68,7 @@ class SimulatedLine {
   const ReadingLine& line_;
   LineSmoother smoother_;
   std::vector<Eigen::Index> columns_;
-  std::vector<double> weights_;  ///< Of each reading by columns_ of ReadingLine::shared, mm.
+  std::vector<double> weights_;  ///< Each reading's row of ReadingLine::shared, in columns_, mm.
   std::vector<double> noise_;    ///< Draw by draw.
   std::optional<Roundness> roundness_;
 };

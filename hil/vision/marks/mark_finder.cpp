@@ -46,7 +46,7 @@ bool enoughContrast(const MarkLevels& l) { return l.contrast() > std::max(8.0, 0
 struct Start {
   Eigen::Vector2d centre;
   MarkLevels levels;
-  bool known;  ///< By the picture before, so that the first look may be the only one.
+  bool known;  ///< Known by the picture before, so that the first look may be the only one.
 };
 
 /// One disc in one picture.

@@ -93,7 +93,7 @@ class SheetTracker {
   double speed_mm_s_;  ///< Speed of the web along x, as measured; nominal at first.
   double largest_diameter_mm_{};
   std::map<int, UnitState> units_;
-  std::map<std::pair<int, std::size_t>, MarkLevels> levels_;  ///< By unit and mark, when it was seen last.
+  std::map<std::pair<int, std::size_t>, MarkLevels> levels_;  ///< Levels by unit and mark, as last seen.
   double contrast_gray_{80.0};
   double pooled_mm3_{};  ///< Mean of variance times diameter of the marks so far.
   double pooled_{};      ///< Number of marks in pooled_mm3_.
