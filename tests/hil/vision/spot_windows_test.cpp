@@ -103,7 +103,10 @@ TEST(SpotWindows, TheTrackIsThatOfWholePictures) {
     for (std::size_t k = 0; k < a.sheet.size(); ++k) {
       EXPECT_EQ(a.sheet[k].unit, b.sheet[k].unit);
       EXPECT_EQ(a.sheet[k].marks, b.sheet[k].marks) << i;
-      EXPECT_LT((a.sheet[k].p_WS_mm - b.sheet[k].p_WS_mm).norm(), 2e-4) << i;
+      // Marks are looked at with the light of the picture before: for the first it is another picture's, with
+      // noise of its own.
+      const double noise_mm = std::sqrt(a.sheet[k].covariance.topLeftCorner<2, 2>().trace());
+      EXPECT_LT((a.sheet[k].p_WS_mm - b.sheet[k].p_WS_mm).norm(), i == 0 ? 3.0 * noise_mm : 2e-4) << i;
       ++poses;
     }
   }
@@ -224,7 +227,10 @@ TEST(SpotWindows, ABeltThatSpeedsUpIsFollowedByASlowCamera) {
     ASSERT_EQ(a.sheet.size(), b.sheet.size()) << i;
     for (std::size_t k = 0; k < a.sheet.size(); ++k) {
       EXPECT_EQ(a.sheet[k].marks, b.sheet[k].marks) << i;
-      EXPECT_LT((a.sheet[k].p_WS_mm - b.sheet[k].p_WS_mm).norm(), 2e-4) << i;
+      // Marks are looked at with the light of the picture before: for the first it is another picture's, with
+      // noise of its own.
+      const double noise_mm = std::sqrt(a.sheet[k].covariance.topLeftCorner<2, 2>().trace());
+      EXPECT_LT((a.sheet[k].p_WS_mm - b.sheet[k].p_WS_mm).norm(), i == 0 ? 3.0 * noise_mm : 2e-4) << i;
     }
   }
 }
