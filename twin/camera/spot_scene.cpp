@@ -324,7 +324,8 @@ void SpotStage::addMark(const MarkImage& mark, const PixelBox& box, std::vector<
     if (!point) return;
     nodes[n] = *point;
   }
-  const DiscPainter painter(mark, PlanePatch(nodes), projection_, blur_px_, kMarkGray - camera_.board_gray);
+  const PlanePatch patch(nodes);
+  const DiscPainter painter(mark, patch, projection_, blur_px_, kMarkGray - camera_.board_gray);
   painter.add(box, light);
 }
 
