@@ -21,7 +21,8 @@ struct Cameras {
   camera::MachineCameras& of_machine;
   /// Recording of a real spot camera's frames, which then are looked at instead; empty: none.
   std::filesystem::path spot_frames;
-  int threads{1};  ///< The verdict is the same at any number.
+  /// The verdict is the same at any number. Spot and cut take so many each while both are looked at.
+  int threads{1};
 };
 
 /// Who is told how far it is.

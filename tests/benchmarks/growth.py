@@ -15,7 +15,6 @@ Curve = collections.namedtuple("Curve", "what unit sizes values")
 Plot = collections.namedtuple("Plot", "name title across curves")
 
 UNITS = (1, 3, 10, 30, 100)
-LINES = (10, 30, 100, 300, 1000)
 LINES_READ = (10, 100, 1000, 10000)
 LINE_MM = 1.6
 PITCH_MM = 3.0
@@ -66,7 +65,6 @@ def plots(process, kerfbench, scenarios, folder):
         f"print: {{units: {n}}}\ntime_limit_s: {20 + 2 * n}\n")), ("run", "--twin", "fast")) for n in UNITS]
     rows = [Plot("units", "Units of a label on the web, from drawing to report", "units",
                  [*curves(UNITS, units), Curve("the job itself", "s", UNITS, [u["simulated"] for u in units])])]
-    rest = os.path.join(scenarios, "native", "button.yaml")
     read = []
     for n in LINES_READ:
         drawing = os.path.join(folder, f"lines-{n}.svg")

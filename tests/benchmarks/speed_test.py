@@ -57,6 +57,16 @@ class Table(unittest.TestCase):
         self.assertIn("| new | it: 1 ms |  |  |  |", page)
 
 
+class Page(unittest.TestCase):
+    def test_holds_table_plots_and_what_was_before(self):
+        plot = growth.Plot("units", "How it grows", "units", [growth.Curve("a", "s", (1, 10), [1.0, 10.0])])
+        page = speed.page_of([row([3.0])], 1, {"row": {"values": [6.0]}}, "0123abcd", [plot])
+        self.assertIn("| row | it: 3 ms | 6 ms |", page)
+        self.assertIn("commit 0123abcd", page)
+        self.assertIn("![How it grows](speed-units.svg)", page)
+        self.assertNotIn("Before", speed.page_of([row([3.0])], 1, None, "", [plot]))
+
+
 class Growth(unittest.TestCase):
     def test_is_told_by_the_larger_sizes(self):
         flat_then_square = growth.Curve("it", "s", (1, 10, 100, 1000), [100.0, 100.0, 100.0, 10000.0])

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <utility>
 
 #include <Eigen/LU>
 
 #include "hil/vision/marks/disc_pixels.h"
-#include "hil/vision/marks/row_sums.h"
 #include "twin/base/constants.h"
 #include "twin/base/image.h"
 
@@ -256,6 +257,20 @@ class MarkSums {
   EdgeSums edge_;
 };
 
+/// How many pixels of a row are no brighter than this, and the sum of their places in it. Whole numbers: in
+/// any order they are the same.
+template <typename Level>
+std::pair<double, double> darkIn(const Level* levels, int count, std::uint32_t most) {
+  std::uint32_t dark = 0;
+  std::uint32_t places = 0;
+  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(count); ++i) {
+    const std::uint32_t is = levels[i] <= most ? 1U : 0U;
+    dark += is;
+    places += is * i;
+  }
+  return {dark, places};
+}
+
 /// Calls visit(row, r) for the rows of a box.
 template <typename Visit>
 void forEachRow(const GrayImage& image, const PixelBox& box, const Visit& visit) {
@@ -327,9 +342,9 @@ std::optional<Eigen::Vector2d> darkCentroid(const GrayImage& image, const PixelB
     const int first = std::max(box.left, static_cast<int>(std::ceil(centre.x() - std::sqrt(root2))));
     const int last = std::min(box.right, static_cast<int>(std::floor(centre.x() + std::sqrt(root2))));
     if (first > last) return;
-    const RowSums dark = sumRow(row.from(first), last - first + 1, 0, most);
-    n += dark.n;
-    sum += Eigen::Vector2d(first * dark.n + dark.k, r * dark.n);
+    const auto [count, places] = darkIn(row.from(first), last - first + 1, most);
+    n += count;
+    sum += Eigen::Vector2d(first * count + places, r * count);
   });
   if (n < 4.0) return std::nullopt;
   return sum / n;
