@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "hil/base/one_processor.h"
+
 namespace kerfbench::run {
 namespace {
 
@@ -95,7 +97,9 @@ class Lockstep {
   }
 
   RecordedRun run(const ProgressFn& progress) {
+    base::OneProcessor together(info_.process);
     for (int round = 0; now_ < end_; ++round) {
+      together.turn();
       if (!advance()) break;
       talk();
       if (progress && round % 100 == 0)

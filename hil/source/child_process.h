@@ -34,6 +34,8 @@ class ChildProcess {
   /// Closes the child's stdin and gives it a moment to end, then kills it. Returns in words how it ended.
   std::string finish(std::chrono::milliseconds patience);
   void kill();
+  /// -1 once it has been reaped.
+  [[nodiscard]] pid_t id() const { return pid_; }
   /// Last words of the child on stderr, line breaks as " | ".
   [[nodiscard]] std::string lastWords();
 

@@ -210,6 +210,7 @@ class ChildSource final : public SignalSource {
     }
     info_.deterministic = true;
     info_.accepts_input = true;
+    info_.process = child_.id();
   }
 
   [[nodiscard]] ChildProcess::Clock::time_point quantumDeadline() const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
 #include <span>
 #include <string>
@@ -16,6 +18,7 @@ struct SourceInfo {
   bool deterministic{};
   bool accepts_input{};   ///< False for a recording: drive() and uartWrite() are ignored.
   std::string config_id;  ///< Emulator, version, shims, run limit, SHA-256 of the image: what a rerun needs.
+  pid_t process{};        ///< The process that runs the release, and waits between two advance(); 0: none.
 };
 
 /// Reason why advance() came back.
