@@ -147,20 +147,24 @@ ChildProcess::Io ChildProcess::write(std::span<const std::uint8_t> bytes, Clock:
   return Io::kDone;
 }
 
+ChildProcess::Io ChildProcess::fetch(Clock::time_point deadline) {
+  // The child has just been asked: it will hardly have answered yet.
+  if (!waitFor(POLLIN, replies_.get(), deadline)) return Io::kTimedOut;
+  const ssize_t got = ::read(replies_.get(), buffer_.data(), buffer_.size());
+  const bool again = got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
+  fetched_ = std::span(buffer_).first(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+  return got > 0 || again ? Io::kDone : Io::kClosed;
+}
+
 ChildProcess::Io ChildProcess::read(std::span<std::uint8_t> into, Clock::time_point deadline) {
-  while (!into.empty()) {
-    const ssize_t got = ::read(replies_.get(), into.data(), into.size());
-    if (got > 0) {
-      into = into.subspan(static_cast<std::size_t>(got));
-    } else if (got == 0) {
-      return Io::kClosed;
-    } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-      if (!waitFor(POLLIN, replies_.get(), deadline)) return Io::kTimedOut;
-    } else if (errno != EINTR) {
-      return Io::kClosed;
-    }
+  for (;;) {
+    const std::size_t taken = std::min(into.size(), fetched_.size());
+    std::copy_n(fetched_.begin(), taken, into.begin());
+    fetched_ = fetched_.subspan(taken);
+    into = into.subspan(taken);
+    if (into.empty()) return Io::kDone;
+    if (const Io io = fetch(deadline); io != Io::kDone) return io;
   }
-  return Io::kDone;
 }
 
 void ChildProcess::kill() {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "hil/base/unique_fd.h"
 
@@ -42,6 +43,9 @@ class ChildProcess {
  private:
   bool drainStderr();
   bool waitFor(short events, int fd, Clock::time_point deadline);
+  /// Fetches what the child has written, at least a byte; nothing on a false alarm. All that was fetched
+  /// before must have been taken.
+  Io fetch(Clock::time_point deadline);
 
   pid_t pid_{-1};
   int status_{};
@@ -49,6 +53,8 @@ class ChildProcess {
   base::UniqueFd replies_;
   base::UniqueFd stderr_;
   std::string stderr_tail_;
+  std::vector<std::uint8_t> buffer_ = std::vector<std::uint8_t>(65536);
+  std::span<const std::uint8_t> fetched_;  ///< What the last read() has brought and nobody has taken.
 };
 
 }  // namespace kerfbench::source

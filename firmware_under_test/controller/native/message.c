@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #include "hil/source/pin_stream.h"
@@ -78,24 +79,41 @@ void kb_skip_text(struct kb_buffer* buffer) {
   buffer->read += size;
 }
 
+/* What one read() has brought: mostly all requests of a quantum. */
+static struct {
+  uint8_t bytes[65536];
+  size_t begin, end;
+} fetched;
+
+/* False at the end of the stream. */
+static bool fetch(void) {
+  ssize_t got;
+  do {
+    got = read(STDIN_FILENO, fetched.bytes, sizeof(fetched.bytes));
+  } while (got < 0 && errno == EINTR);
+  if (got < 0) {
+    kb_die(strerror(errno));
+  }
+  fetched.begin = 0;
+  fetched.end = (size_t)got;
+  return got > 0;
+}
+
 /* Reads `size` bytes; 0 at a clean end before the first byte. */
 static size_t readAll(uint8_t* to, size_t size) {
   size_t done = 0;
   while (done < size) {
-    const ssize_t got = read(STDIN_FILENO, to + done, size - done);
-    if (got < 0 && errno == EINTR) {
-      continue;
-    }
-    if (got < 0) {
-      kb_die(strerror(errno));
-    }
-    if (got == 0) {
+    if (fetched.begin == fetched.end && !fetch()) {
       if (done == 0) {
         return 0;
       }
       kb_die("the stream ends inside a message");
     }
-    done += (size_t)got;
+    const size_t there = fetched.end - fetched.begin;
+    const size_t taken = there < size - done ? there : size - done;
+    memcpy(to + done, fetched.bytes + fetched.begin, taken);
+    fetched.begin += taken;
+    done += taken;
   }
   return done;
 }
@@ -122,24 +140,29 @@ bool kb_read_message(uint8_t* type, struct kb_buffer* payload) {
   return true;
 }
 
-static void writeAll(const uint8_t* from, size_t size) {
-  while (size > 0) {
-    const ssize_t put = write(STDOUT_FILENO, from, size);
+/* All of `parts`, at once where the system takes it: whoever waits is woken once. */
+static void writeAll(struct iovec* parts, int count) {
+  while (count > 0) {
+    ssize_t put = writev(STDOUT_FILENO, parts, count);
     if (put < 0 && errno == EINTR) {
       continue;
     }
     if (put < 0) {
       kb_die(strerror(errno));
     }
-    from += put;
-    size -= (size_t)put;
+    for (; count > 0 && (size_t)put >= parts->iov_len; ++parts, --count) {
+      put -= (ssize_t)parts->iov_len;
+    }
+    if (count > 0) {
+      parts->iov_base = (uint8_t*)parts->iov_base + put;
+      parts->iov_len -= (size_t)put;
+    }
   }
 }
 
 void kb_write_message(uint8_t type, const struct kb_buffer* payload) {
   const size_t size = payload->size;
-  const uint8_t head[5] = {(uint8_t)size, (uint8_t)(size >> 8), (uint8_t)(size >> 16), (uint8_t)(size >> 24),
-                           type};
-  writeAll(head, sizeof(head));
-  writeAll(payload->bytes, size);
+  uint8_t head[5] = {(uint8_t)size, (uint8_t)(size >> 8), (uint8_t)(size >> 16), (uint8_t)(size >> 24), type};
+  struct iovec parts[2] = {{head, sizeof(head)}, {payload->bytes, size}};
+  writeAll(parts, 2);
 }

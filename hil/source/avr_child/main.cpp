@@ -91,8 +91,9 @@ std::unique_ptr<Machine> open(const Message& request, MachineOptions& options) {
 void serve(int in_fd, int out_fd) {
   MachineOptions options;
   std::unique_ptr<Machine> machine;
+  Requests requests(in_fd);
   try {
-    machine = open(readMessage(in_fd), options);
+    machine = open(requests.next(), options);
   } catch (const EndOfRequests&) {
     throw;
   } catch (const std::exception& fault) {
@@ -106,7 +107,7 @@ void serve(int in_fd, int out_fd) {
 #endif
   writeMessage(out_fd, KB_PS_HELLO, hello(*machine, options.clock_hz));
   for (;;) {
-    const Message request = readMessage(in_fd);
+    const Message request = requests.next();
     FieldReader in(request.payload);
     switch (request.type) {
       case KB_PS_DRIVE: {
@@ -140,8 +141,8 @@ void serve(int in_fd, int out_fd) {
 }  // namespace
 
 #ifdef KERFBENCH_SANITIZED
-// simavr frees little of what it takes; the end of this process frees it all. A leak of our own is still told.
-// NOLINTNEXTLINE(bugprone-reserved-identifier): the sanitizer's name for it
+// simavr frees little of what it takes; the end of this process frees it all. A leak of our own is still
+// told. NOLINTNEXTLINE(bugprone-reserved-identifier): the sanitizer's name for it
 extern "C" const char* __lsan_default_suppressions() { return "leak:libsimavr\n"; }
 #endif
 

@@ -3,27 +3,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <span>
 
 #include "hil/source/pin_stream.h"
 
 namespace kerfbench::avr_child {
 namespace {
-
-void readAll(int fd, std::span<std::uint8_t> into) {
-  for (std::size_t done = 0; done < into.size();) {
-    const ssize_t got = ::read(fd, into.data() + done, into.size() - done);
-    if (got > 0) {
-      done += static_cast<std::size_t>(got);
-    } else if (got == 0) {
-      throw EndOfRequests("the bench has gone");
-    } else if (errno != EINTR) {
-      throw std::runtime_error(std::string("reading a request: ") + std::strerror(errno));
-    }
-  }
-}
 
 void writeAll(int fd, std::span<const std::uint8_t> bytes) {
   for (std::size_t done = 0; done < bytes.size();) {
@@ -40,14 +27,34 @@ void writeAll(int fd, std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-Message readMessage(int fd) {
+void Requests::fetch() {
+  ssize_t got = 0;
+  do {
+    got = ::read(fd_, buffer_.data(), buffer_.size());
+  } while (got < 0 && errno == EINTR);
+  if (got == 0) throw EndOfRequests("the bench has gone");
+  if (got < 0) throw std::runtime_error(std::string("reading a request: ") + std::strerror(errno));
+  fetched_ = std::span(buffer_).first(static_cast<std::size_t>(got));
+}
+
+void Requests::readAll(std::span<std::uint8_t> into) {
+  while (!into.empty()) {
+    if (fetched_.empty()) fetch();
+    const std::size_t taken = std::min(into.size(), fetched_.size());
+    std::copy_n(fetched_.begin(), taken, into.begin());
+    fetched_ = fetched_.subspan(taken);
+    into = into.subspan(taken);
+  }
+}
+
+Message Requests::next() {
   std::uint8_t head[5];
-  readAll(fd, head);
+  readAll(head);
   std::uint32_t size = 0;
   for (unsigned i = 0; i < 4; ++i) size |= std::uint32_t{head[i]} << (8 * i);
   if (size > KB_PS_MAX_PAYLOAD) throw std::runtime_error("a request is too long");
   Message message{head[4], std::vector<std::uint8_t>(size)};
-  readAll(fd, message.payload);
+  readAll(message.payload);
   return message;
 }
 

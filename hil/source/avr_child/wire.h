@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -19,8 +20,23 @@ struct Message {
   std::vector<std::uint8_t> payload;
 };
 
-/// Reads one framed message. @throws EndOfRequests at end of file, std::runtime_error on a malformed frame.
-Message readMessage(int fd);
+/// Requests of the bench, one by one.
+class Requests {
+ public:
+  /// Nobody else may read from `fd`: what is there is fetched at once.
+  explicit Requests(int fd) : fd_(fd) {}
+  /// The next framed message. @throws EndOfRequests at end of file, std::runtime_error on a malformed frame.
+  Message next();
+
+ private:
+  void readAll(std::span<std::uint8_t> into);
+  void fetch();
+
+  int fd_;
+  std::vector<std::uint8_t> buffer_ = std::vector<std::uint8_t>(65536);
+  std::span<const std::uint8_t> fetched_;  ///< What the last read() has brought and nobody has taken.
+};
+
 /// @throws EndOfRequests if the bench no longer listens.
 void writeMessage(int fd, std::uint8_t type, const std::vector<std::uint8_t>& payload);
 
