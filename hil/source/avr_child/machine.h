@@ -111,6 +111,7 @@ class Machine {
   std::uint64_t horizon_{};
   bool xoff_{};
   bool service_due_{};
+  bool asleep_{};
   std::string crash_;
 };
 

@@ -3,6 +3,7 @@
 // datasheets.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/hil/source/avr_run.h"
@@ -118,6 +119,20 @@ TEST(AvrTimer, SleepingFirmwareWakesWithItsTimer) {
     EXPECT_THAT(differences(ticks), Each(16'000U));
     EXPECT_EQ(run.events, runAvr("nap", 20 * kMs, kMs).events);
   }
+}
+
+TEST(AvrTimer, AnInterruptTakesFourCyclesLongerOutOfSleep) {
+  const auto run = runAvr("wake", 20 * kMs);
+  std::vector<int> awake, asleep;
+  for (const auto& event : run.events) {
+    if (event.level != 0) ((event.level & 0x80) != 0 ? asleep : awake).push_back(event.level & 0x7F);
+  }
+  ASSERT_GT(awake.size(), 100U);
+  ASSERT_GT(asleep.size(), 100U);
+  // Awake it waits for the end of an instruction of the loop: none, at best.
+  const int prompt = *std::ranges::min_element(awake);
+  EXPECT_LE(*std::ranges::max_element(awake), prompt + 3);
+  EXPECT_THAT(asleep, Each(prompt + 4));
 }
 
 TEST(AvrTimer, WatchdogResetsAndPinsLetGo) {
