@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <memory>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -14,6 +16,7 @@
 #include "hil/judge/controller_evidence.h"
 #include "hil/judge/results_folder.h"
 #include "hil/judge/run_options.h"
+#include "hil/judge/spot_watch.h"
 #include "hil/live/live_spot.h"
 #include "hil/live/real_pins.h"
 #include "hil/live/recording_file.h"
@@ -98,7 +101,12 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
   const auto source = run::openRelease(scenario.firmware, options.bin_dir);
   const source::SourceInfo info = source->info();
   run::ModelMachine machine(test_case, sampled, info.rate, run::modelOptions(test_case));
+  const std::unique_ptr<judge::SpotWatch> spot_watch =
+      judge::SpotWatch::of(test_case, machine, info.rate, options.jobs);
   run::LockstepOptions lockstep;
+  if (spot_watch) {
+    lockstep.heard = [&](Tick until, std::span<const PinEvent> events) { spot_watch->heard(until, events); };
+  }
   lockstep.time_limit_s = scenario.time_limit_s;
   const bool provoked = scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
   run::Provocation provocation(scenario.provoke, info.rate, scenario.seed);
@@ -108,7 +116,7 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
   }
   run::RecordedRun run = machine.run(*source, job.dialog.get(), lockstep, base::progressOn(console));
   if (provoked) console.say("  " + job.dialog->message());
-  stopwatch.lap("firmware and machine");
+  stopwatch.lap(spot_watch ? "firmware and machine, spot camera beside them" : "firmware and machine");
 
   judge::Conclusion conclusion;
   conclusion.folder_name = scenario.name;
@@ -117,6 +125,7 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
   conclusion.source_id = info.config_id;
   conclusion.sampled = &sampled;
   conclusion.machine = &machine;
+  conclusion.spot_watch = spot_watch.get();
   conclusion.firmware_sha256 = base::sha256File(scenario.firmware.image);
   conclusion.firmware_version = std::move(job.controller);
   conclusion.gcode = std::move(job.gcode);

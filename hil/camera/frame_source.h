@@ -26,4 +26,18 @@ class FrameSource {
   }
 };
 
+/// Frames of a camera whose machine still runs: who runs it says which are wanted, on one thread, and who
+/// measures takes them, on another.
+class FramesMeanwhile : public FrameSource {
+ public:
+  /// Frames whose exposure began in [from_s, to_s], on the clock of the pins, are handed out as soon as they
+  /// are taken; those before from_s are dropped, those after to_s wait to be wanted. Neither time may go
+  /// back. Waits while too many that are wanted wait to be measured.
+  virtual void want(double from_s, double to_s) = 0;
+  /// The machine has stopped, and no more is wanted.
+  virtual void end() = 0;
+  /// Nobody measures any more: nothing waits from now on, for either.
+  virtual void close() = 0;
+};
+
 }  // namespace kerfbench::camera

@@ -15,6 +15,8 @@ class MachineCameras {
   /// Frames of the spot camera whose exposure began in [from_s, to_s] on the clock of the pins; each frame is
   /// handed out once. `threads` changes the time it takes, never the frames.
   virtual std::unique_ptr<FrameSource> spotFrames(double from_s, double to_s, int threads) = 0;
+  /// The same frames while the machine runs; to be called before. Null: these cameras are asked afterwards.
+  virtual std::unique_ptr<FramesMeanwhile> spotFramesMeanwhile(int /*threads*/) { return nullptr; }
   /// Pictures of the kerf camera of the sheet as it was in the end. Valid as long as this.
   virtual std::unique_ptr<TileSource> kerfTiles(int threads) = 0;
 };

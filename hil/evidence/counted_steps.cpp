@@ -4,59 +4,74 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/evidence/port_levels.h"
-
 namespace kerfbench::evidence {
 namespace {
 
-struct Axis {
-  PinId pul, dir;
-  bool rising{};
-  bool pul_high{};
-
-  /// The step, if any, that the levels after a write bring.
-  std::int32_t stepBy(const PortLevels& ports) {
-    const bool high = ports.high(pul);
-    if (high == pul_high) return 0;
-    pul_high = high;
-    if (high != rising) return 0;
-    return ports.high(dir) ? 1 : -1;
-  }
-};
+bool isHigh(std::uint16_t levels, PinId pin) { return ((levels >> pin.bit) & 1U) != 0; }
 
 }  // namespace
 
-std::optional<CountedSteps> CountedSteps::of(const source::PinRecording& recording, const PinWiring& wiring) {
-  std::vector<Axis> axes;
-  for (const DriveWiring& drive : wiring.drives) {
+std::int32_t CountedSteps::Axis::stepBy(const PinEvent& event) {
+  if (event.port == dir.port) dir_port = event.level;
+  if (event.port != pul.port) return 0;
+  pul_port = event.level;
+  const bool high = isHigh(pul_port, pul);
+  if (high == pul_high) return 0;
+  pul_high = high;
+  if (high != rising) return 0;
+  return isHigh(dir_port, dir) ? 1 : -1;
+}
+
+std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& wiring) {
+  if (wiring.drives.size() < 2) return std::nullopt;
+  CountedSteps counted;
+  counted.rate_ = rate;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const DriveWiring& drive = wiring.drives[i];
     const std::optional<PinId> pul = wiring.signals.pin(drive.pul);
     const std::optional<PinId> dir = wiring.signals.pin(drive.dir);
-    if (axes.size() == 2) break;
     if (!pul || !dir) return std::nullopt;
-    axes.push_back({*pul, *dir, drive.profile.active_edge_rising});
+    Axis& axis = counted.axes_[i];
+    axis.pul = *pul;
+    axis.dir = *dir;
+    axis.rising = drive.profile.active_edge_rising;
   }
-  if (axes.size() < 2) return std::nullopt;
-  CountedSteps counted;
-  PortLevels ports;
-  Steps now{0, 0};
-  for (const PinEvent& event : recording.outputs.streamed()) {
-    const auto period =
-        static_cast<std::size_t>(std::max(0.0, recording.rate.seconds(event.tick)) / kRaster_s);
-    while (counted.steps_.size() < period) counted.steps_.push_back(now);
-    ports.apply(event);
-    for (std::size_t i = 0; i < 2; ++i) now[i] += axes[i].stepBy(ports);
-  }
-  counted.steps_.push_back(now);
   return counted;
+}
+
+std::optional<CountedSteps> CountedSteps::of(const source::PinRecording& recording, const PinWiring& wiring) {
+  std::optional<CountedSteps> counted = from(recording.rate, wiring);
+  if (!counted) return std::nullopt;
+  for (const PinEvent& event : recording.outputs.streamed()) counted->add({&event, 1}, event.tick);
+  counted->end();
+  return counted;
+}
+
+void CountedSteps::add(std::span<const PinEvent> events, Tick until) {
+  for (const PinEvent& event : events) {
+    fillUpTo(periodOf(event.tick));
+    for (std::size_t i = 0; i < 2; ++i) now_[i] += axes_[i].stepBy(event);
+  }
+  fillUpTo(periodOf(until));
+}
+
+std::size_t CountedSteps::periodOf(Tick tick) const {
+  return static_cast<std::size_t>(std::max(0.0, rate_.seconds(tick)) / kRaster_s);
+}
+
+void CountedSteps::fillUpTo(std::size_t period) {
+  while (steps_.size() < period) steps_.push_back(now_);
 }
 
 std::size_t CountedSteps::indexAt(double time_s) const {
   const double period = std::floor(time_s / kRaster_s);
-  if (!(period > 0.0)) return 0;
+  if (!(period > 0.0) || steps_.empty()) return 0;
   return std::min(static_cast<std::size_t>(period), steps_.size() - 1);
 }
 
-CountedSteps::Steps CountedSteps::at(double time_s) const { return steps_[indexAt(time_s)]; }
+CountedSteps::Steps CountedSteps::at(double time_s) const {
+  return steps_.empty() ? now_ : steps_[indexAt(time_s)];
+}
 
 void CountedSteps::passed(double time_s) const { steps_.giveBack(0, indexAt(time_s)); }
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "hil/base/spilled_vector.h"
 #include "hil/evidence/pin_evidence.h"
@@ -20,8 +22,16 @@ class CountedSteps {
 
   /// Reads `recording.outputs` for the first two of `drives`. Nullopt if one of their lines is not wired.
   static std::optional<CountedSteps> of(const source::PinRecording& recording, const PinWiring& wiring);
+  /// Counts none yet, for a run that still goes on.
+  static std::optional<CountedSteps> from(TickRate rate, const PinWiring& wiring);
 
-  /// Steps at a time, s from tick 0: as they are at the end of its raster period.
+  /// `events` are those that follow, up to `until`, by tick.
+  void add(std::span<const PinEvent> events, Tick until);
+  /// No event follows.
+  void end() { steps_.push_back(now_); }
+
+  /// Steps at a time, s from tick 0: as they are at the end of its raster period, after the end as they were
+  /// there. Before the end they are known up to kKnownAfter_s before what was added last.
   [[nodiscard]] Steps at(double time_s) const;
 
   /// What lies before this time may leave the memory: it is read again from a file if it is asked for.
@@ -29,10 +39,25 @@ class CountedSteps {
 
   /// Each takes 8 bytes of a temporary file, 0.3 GB an hour.
   static constexpr double kRaster_s = 1e-4;
+  static constexpr double kKnownAfter_s = 2.0 * kRaster_s;  ///< The period's rest, and one for the rounding.
 
  private:
-  [[nodiscard]] std::size_t indexAt(double time_s) const;
+  struct Axis {
+    PinId pul, dir;
+    bool rising{};
+    bool pul_high{};
+    std::uint16_t pul_port{}, dir_port{};  ///< Levels of their ports.
+    /// The step, if any, that a write brings.
+    std::int32_t stepBy(const PinEvent& event);
+  };
 
+  [[nodiscard]] std::size_t indexAt(double time_s) const;
+  [[nodiscard]] std::size_t periodOf(Tick tick) const;
+  void fillUpTo(std::size_t period);
+
+  TickRate rate_;
+  std::array<Axis, 2> axes_;
+  Steps now_{0, 0};
   base::SpilledVector<Steps> steps_;  ///< At the end of each raster period.
 };
 

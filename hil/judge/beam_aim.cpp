@@ -10,7 +10,6 @@
 #include <Eigen/Geometry>
 
 #include "firmware_under_test/planner/head/axes.h"
-#include "hil/evidence/counted_steps.h"
 #include "hil/judge/pin_wiring.h"
 
 namespace kerfbench::judge {
@@ -21,18 +20,28 @@ constexpr double kLag_s = 1e-3;
 constexpr unsigned kLooksInMemory = 1024;
 constexpr int kInstants = 5;  // The path between them is nearly straight.
 
+std::shared_ptr<SharedSteps> shared(std::optional<evidence::CountedSteps> steps) {
+  return steps ? std::make_shared<SharedSteps>(std::move(*steps)) : nullptr;
+}
+
 }  // namespace
 
-vision::BeamAim beamAim(const scenario::Case& test_case, const source::PinRecording& recording) {
-  if (!(test_case.machine.spot_camera.read_out.row_s > 0.0)) return {};
-  auto counted = evidence::CountedSteps::of(recording, pinWiring(test_case));
-  if (!counted) return {};
-  const auto steps = std::make_shared<const evidence::CountedSteps>(std::move(*counted));
+std::shared_ptr<SharedSteps> stepsOf(const scenario::Case& test_case, const source::PinRecording& recording) {
+  return shared(evidence::CountedSteps::of(recording, pinWiring(test_case)));
+}
+
+std::shared_ptr<SharedSteps> stepsFrom(const scenario::Case& test_case, TickRate rate) {
+  return shared(evidence::CountedSteps::from(rate, pinWiring(test_case)));
+}
+
+vision::BeamAim beamAim(const scenario::Case& test_case, std::shared_ptr<const SharedSteps> steps) {
+  if (!steps || !(test_case.machine.spot_camera.read_out.row_s > 0.0)) return {};
   const auto looks = std::make_shared<std::atomic<unsigned>>();
   const auto axes =
       std::make_shared<const planner::Axes>(scenario::plannerMachine(test_case), planner::PlannerFaults{});
   const double lag_s = std::max(kLag_s, 2.0 * test_case.machine.controller.tracking_delay_s);
-  return [steps, axes, looks, lag_s](double from_s, double to_s) -> std::optional<Eigen::AlignedBox2d> {
+  return [steps = std::move(steps), axes, looks, lag_s](double from_s,
+                                                        double to_s) -> std::optional<Eigen::AlignedBox2d> {
     Eigen::AlignedBox2d box_W_mm;
     const double first_s = from_s - lag_s;
     // Frames come nearly in order of time.

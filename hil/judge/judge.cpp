@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/judge/judge.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -23,17 +22,6 @@
 
 namespace kerfbench::judge {
 namespace {
-
-// The camera is recorded while the laser works, and a little before and after: time for a few whole pictures,
-// by which the marks are found.
-constexpr double kRecordMargin_s = 0.05;
-constexpr double kWholePictures = 3.0;
-
-double recordMargin_s(const twin::CameraDescription& camera) {
-  const PixelWindow whole{0, 0, camera.width_px, camera.height_px};
-  const double picture_s = std::max(camera.frame_period_s, camera.read_out.time_s({&whole, 1}, camera.bits));
-  return std::max(kRecordMargin_s, kWholePictures * picture_s);
-}
 
 // Close enough to see the missing start of a line where the laser comes 2 ms late (0.2 mm at 20 m/s²).
 constexpr double kMeasuredBegin = 0.03;
@@ -96,13 +84,10 @@ class Look {
       return;
     }
     observer_.progress(-1, "looking at spot and cut");
-    const double margin_s = recordMargin_s(test_case_.machine.spot_camera);
-    const std::unique_ptr<camera::FrameSource> frames = cameras_.of_machine.spotFrames(
-        evidence_.gates.front().on_s - margin_s, evidence_.gates.back().off_s + margin_s, cameras_.threads);
     const std::unique_ptr<camera::TileSource> tiles = kerfPictures(kerf);
     // What the one does in order leaves the processor to the other.
     base::forEachIndex(2, cameras_.threads, [&](std::size_t camera) {
-      camera == 0 ? atSpot(*frames, recording, spot) : atCut(*tiles, kerf);
+      camera == 0 ? atSpot(recording, spot) : atCut(*tiles, kerf);
     });
     observer_.stopwatch.lap("spot and kerf camera: render and measure");
   }
@@ -121,13 +106,18 @@ class Look {
     facts_.insert(facts_.end(), real.facts.begin(), real.facts.end());
   }
 
-  void atSpot(camera::FrameSource& frames, const source::PinRecording& recording,
-              const vision::CameraCalibration& calibration) {
-    vision::SpotTrackOptions options{cameras_.threads, test_case_.scenario.belt_speed_mm_s};
-    options.aim = beamAim(test_case_, recording);
-    options.read_out = test_case_.machine.spot_camera.read_out;
-    options.frame_period_s = test_case_.machine.spot_camera.frame_period_s;
-    evidence_.spot = vision::trackSpot(frames, calibration, test_case_.scenario.print, options);
+  /// What the machine's spot camera shows, as far as it was not looked at during the run.
+  void atSpot(const source::PinRecording& recording, const vision::CameraCalibration& calibration) {
+    if (cameras_.spot_watch != nullptr) {
+      evidence_.spot = cameras_.spot_watch->finished();
+      return;
+    }
+    const double margin_s = recordMargin_s(test_case_.machine.spot_camera);
+    const std::unique_ptr<camera::FrameSource> frames = cameras_.of_machine.spotFrames(
+        evidence_.gates.front().on_s - margin_s, evidence_.gates.back().off_s + margin_s, cameras_.threads);
+    evidence_.spot = vision::trackSpot(
+        *frames, calibration, test_case_.scenario.print,
+        spotTrackOptions(test_case_, beamAim(test_case_, stepsOf(test_case_, recording)), cameras_.threads));
   }
 
   void atCut(camera::TileSource& tiles, const vision::CameraCalibration& calibration) {

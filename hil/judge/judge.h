@@ -10,6 +10,7 @@
 #include "hil/camera/machine_cameras.h"
 #include "hil/controller/controller_report.h"
 #include "hil/inspect/safe_state.h"
+#include "hil/judge/spot_watch.h"
 #include "hil/report/run_report.h"
 #include "hil/run/lockstep.h"
 #include "hil/scenario/case.h"
@@ -23,6 +24,8 @@ struct Cameras {
   std::filesystem::path spot_frames;
   /// The verdict is the same at any number. Spot and cut take so many each while both are looked at.
   int threads{1};
+  /// The look at the machine's spot camera that went on during the run; null: it is looked at now.
+  SpotWatch* spot_watch{};
 };
 
 /// Who is told how far it is.

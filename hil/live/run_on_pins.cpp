@@ -71,7 +71,12 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   model.beside_real_camera = test_case.scenario.cameras.spot.is_real;
   model.witness_sensors = !driven.empty();
   run::ModelMachine machine(test_case, pins.sampled, recorded.rate, model);
+  const std::unique_ptr<judge::SpotWatch> spot_watch =
+      judge::SpotWatch::of(test_case, machine, recorded.rate, options.jobs);
   run::LockstepOptions lockstep;
+  if (spot_watch) {
+    lockstep.heard = [&](Tick until, std::span<const PinEvent> events) { spot_watch->heard(until, events); };
+  }
   lockstep.time_limit_s = test_case.scenario.time_limit_s;
   run::RecordedRun run = machine.run(*source, nullptr, lockstep, base::progressOn(console));
   for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})
@@ -80,9 +85,10 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   run.recording.sensors = recorded.sensors;
   run.recording.uart = recorded.uart;
   run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
-  stopwatch.lap("machine");
+  stopwatch.lap(spot_watch ? "machine, spot camera beside it" : "machine");
   conclusion.sampled = &pins.sampled;
   conclusion.machine = &machine;
+  conclusion.spot_watch = spot_watch.get();
   // A recording without the controller's words is judged by its pins alone.
   if (!recorded.uart.empty()) {
     const bool provoked = test_case.scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;

@@ -123,6 +123,7 @@ class Lockstep {
     const source::Stop stop = source_.advance(until, batch_);
     now_ = batch_.watermark;
     if (hasGap(batch_.events)) gaps_.add(info_.rate.seconds(now_));
+    if (options_.heard) options_.heard(now_, batch_.events);
     model_.advance(now_, batch_.events);
     result_.recording.outputs.append(batch_.events);
     ended_ = stop == source::Stop::kEnded;

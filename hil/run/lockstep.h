@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ struct LockstepOptions {
   double quantum_s{0.5e-3};
   double time_limit_s{60.0};
   Provocation* provocation{};  ///< May be null. If not, a dialog that never ends is no problem.
+  /// Is told of each quantum before the model makes it; `events` are the controller's up to `until`, by tick.
+  std::function<void(Tick until, std::span<const PinEvent> events)> heard{};
   double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
 };
 

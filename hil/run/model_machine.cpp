@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
+#include "hil/camera/twin/exposure_feed.h"
 #include "hil/camera/twin/twin_frames.h"
 #include "hil/run/cut_on_twin.h"
 #include "hil/run/twin_model.h"
@@ -14,6 +16,8 @@ namespace {
 
 // Between two exposures of the model beside a real camera.
 constexpr double kDensePeriod_s = 250e-6;
+// Exposures that wait for the spot camera while the machine runs: some 1.3 KiB each.
+constexpr std::size_t kMostWaiting = 2048;
 
 twin::MachineDescription watched(twin::MachineDescription machine, bool beside_real_camera) {
   twin::CameraDescription& camera = machine.spot_camera;
@@ -62,8 +66,8 @@ RecordedRun ModelMachine::run(source::SignalSource& source, Dialog* dialog, cons
                               const ProgressFn& progress) {
   twin::Twin& twin = hidden_->twin;
   FilmedSource filmed(source, twin, film_);
-  TwinModel alone(twin);
-  WitnessedTwin witnessed(twin);
+  TwinModel alone(twin, feed_.get());
+  WitnessedTwin witnessed(twin, feed_.get());
   LockstepModel& model = options_.witness_sensors ? static_cast<LockstepModel&>(witnessed) : alone;
   RecordedRun result = runLockstep(filmed, model, test_case_.machine.signals, dialog, options, progress);
   film_.add(twin);
@@ -82,11 +86,18 @@ const twin::Sheet& ModelMachine::sheet() { return hidden_->twin.sheet(); }
 std::unique_ptr<camera::FrameSource> ModelMachine::spotFrames(double from_s, double to_s, int threads) {
   std::vector<twin::Exposure> exposures = hidden_->twin.takeExposures();
   std::erase_if(exposures, [&](const twin::Exposure& e) { return e.start_s < from_s || e.start_s > to_s; });
+  return std::make_unique<camera::TwinFrameSource>(spotCamera(), std::move(exposures), threads);
+}
+
+std::unique_ptr<camera::FramesMeanwhile> ModelMachine::spotFramesMeanwhile(int threads) {
+  if (feed_) throw std::logic_error("ModelMachine: somebody looks at the spot already");
+  feed_ = std::make_shared<camera::ExposureFeed>(kMostWaiting);
+  return std::make_unique<camera::TwinFrameSource>(spotCamera(), feed_, threads);
+}
+
+twin::SpotCamera ModelMachine::spotCamera() const {
   const twin::MachineDescription& machine = test_case_.machine;
-  return std::make_unique<camera::TwinFrameSource>(
-      twin::SpotCamera(machine.spot_camera, asPrinted().scenario.print, machine.glow_gray_per_w,
-                       test_case_.scenario.seed),
-      std::move(exposures), threads);
+  return {machine.spot_camera, asPrinted().scenario.print, machine.glow_gray_per_w, test_case_.scenario.seed};
 }
 
 std::unique_ptr<camera::TileSource> ModelMachine::kerfTiles(int threads) {

@@ -20,6 +20,10 @@ namespace kerfbench::twin {
 class Sheet;
 }
 
+namespace kerfbench::camera {
+class ExposureFeed;
+}
+
 namespace kerfbench::run {
 
 struct ModelOptions {
@@ -66,9 +70,12 @@ class ModelMachine final : public camera::MachineCameras {
   const twin::Sheet& sheet();
 
   std::unique_ptr<camera::FrameSource> spotFrames(double from_s, double to_s, int threads) override;
+  /// With it spotFrames() finds none. @throws std::logic_error after the first call.
+  std::unique_ptr<camera::FramesMeanwhile> spotFramesMeanwhile(int threads) override;
   std::unique_ptr<camera::TileSource> kerfTiles(int threads) override;
 
  private:
+  [[nodiscard]] twin::SpotCamera spotCamera() const;
   /// The case with its marks where the sampled lot of board bears them: what cameras see, and nobody is told.
   [[nodiscard]] scenario::Case asPrinted() const;
   class Hidden;
@@ -78,6 +85,7 @@ class ModelMachine final : public camera::MachineCameras {
   ModelOptions options_;
   MachineFilm film_;
   base::SpilledVector<SensorEdge> due_sensors_;
+  std::shared_ptr<camera::ExposureFeed> feed_;  ///< Null: nobody looks meanwhile.
   std::unique_ptr<Hidden> hidden_;
 };
 

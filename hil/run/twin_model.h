@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hil/base/spilled_vector.h"
+#include "hil/camera/twin/exposure_feed.h"
 #include "hil/run/lockstep.h"
 #include "hil/run/machine_film.h"
 #include "hil/source/signal_source.h"
@@ -18,19 +19,24 @@ namespace kerfbench::run {
 /// The twin as such a machine. `twin` must outlive it.
 class TwinModel : public LockstepModel {
  public:
-  explicit TwinModel(twin::Twin& twin) : twin_(twin) {}
+  /// `feed`: gets the exposures as they end; null: they stay with the twin.
+  explicit TwinModel(twin::Twin& twin, camera::ExposureFeed* feed = nullptr) : twin_(twin), feed_(feed) {}
   std::vector<SensorEdge> predictSensors(Tick until) override { return twin_.predictSensors(until); }
-  void advance(Tick until, std::span<const PinEvent> events) override { twin_.advance(until, events); }
+  void advance(Tick until, std::span<const PinEvent> events) override {
+    twin_.advance(until, events);
+    if (feed_ != nullptr) feed_->add(twin_.takeExposures());
+  }
   [[nodiscard]] double longestQuantum_s() const override { return twin_.longestQuantum_s(); }
 
  private:
   twin::Twin& twin_;
+  camera::ExposureFeed* feed_;
 };
 
 /// The twin, and what its sensors did while it was led by recorded pins. `twin` must outlive it.
 class WitnessedTwin final : public TwinModel {
  public:
-  explicit WitnessedTwin(twin::Twin& twin) : TwinModel(twin) {}
+  explicit WitnessedTwin(twin::Twin& twin, camera::ExposureFeed* feed) : TwinModel(twin, feed) {}
   void advance(Tick until, std::span<const PinEvent> events) override {
     const std::vector<SensorEdge> edges = predictSensors(until);
     due_.append(edges);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/judge/judge.h"
+#include "hil/judge/spot_watch.h"
 #include "hil/report/run_report.h"
 #include "hil/run/dialogs.h"
 #include "hil/run/model_machine.h"
@@ -33,13 +34,26 @@ class LabelRun {
   [[nodiscard]] const std::vector<std::string>& problems() const { return run_.problems; }
   [[nodiscard]] report::RunReport judged(int jobs) const {
     run::ModelMachine machine(case_, sampled_, run_.recording.rate, run::modelOptions(case_));
-    machine.run(*source::openRecording(run_.recording, "label"), nullptr, {}, {});
+    const auto watch = judge::SpotWatch::of(case_, machine, run_.recording.rate, jobs);
+    EXPECT_EQ(watch != nullptr, jobs > 1);
+    run::LockstepOptions lockstep;
+    if (watch)
+      lockstep.heard = [&](Tick until, std::span<const PinEvent> events) { watch->heard(until, events); };
+    machine.run(*source::openRecording(run_.recording, "label"), nullptr, lockstep, {});
     base::Stopwatch stopwatch;
     report::RunReport report;
-    judge::addJudgement(
-        judge::judge(case_, run_, {}, {machine, {}, jobs}, {stopwatch, [](double, const std::string&) {}}),
-        report);
+    judge::addJudgement(judge::judge(case_, run_, {}, {machine, {}, jobs, watch.get()},
+                                     {stopwatch, [](double, const std::string&) {}}),
+                        report);
     return report;
+  }
+
+  /// The spot is watched, and nobody asks for what was seen.
+  void leftAfterRun() const {
+    run::ModelMachine machine(case_, sampled_, run_.recording.rate, run::modelOptions(case_));
+    const auto watch = judge::SpotWatch::of(case_, machine, run_.recording.rate, 2);
+    ASSERT_TRUE(watch);
+    watch->heard(run_.recording.end, std::vector<PinEvent>{run_.recording.outputs.front()});
   }
 
  private:
@@ -58,6 +72,11 @@ class LabelRun {
   twin::SampledMachine sampled_;
   run::RecordedRun run_;
 };
+
+TEST(Jobs, ARunThatEndsWithoutAVerdictWaitsForNobody) {
+  const LabelRun label;
+  label.leftAfterRun();
+}
 
 TEST(Jobs, OneTwoAndSevenThreadsMeasureAndJudgeTheSame) {
   const LabelRun label;

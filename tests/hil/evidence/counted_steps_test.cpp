@@ -63,6 +63,33 @@ TEST(CountedSteps, CountUpWhileDirIsHighAndDownWhileItIsLow) {
   EXPECT_EQ(steps->at(9.0), (CountedSteps::Steps{1, 0})) << "after the last edge";
 }
 
+TEST(CountedSteps, CountTheSameWhileTheRunGoesOn) {
+  std::vector<std::pair<Tick, std::uint16_t>> writes;
+  std::uint32_t random = 1;
+  for (Tick tick = 20; tick < 9'000; tick += 1 + random % 41) {
+    random = random * 1664525U + 1013904223U;
+    writes.emplace_back(tick, static_cast<std::uint16_t>(random >> 28U));
+  }
+  const source::PinRecording recording = recordingOf(writes);
+  const auto whole = CountedSteps::of(recording, wiring());
+  for (const Tick quantum : {7U, 100U, 333U, 10'000U}) {
+    auto steps = CountedSteps::from(recording.rate, wiring());
+    ASSERT_TRUE(steps);
+    auto next = recording.outputs.begin();
+    for (Tick now = quantum; now < recording.end + quantum; now += quantum) {
+      std::vector<PinEvent> events;
+      for (; next != recording.outputs.end() && next->tick <= now; ++next) events.push_back(*next);
+      steps->add(events, now);
+      // What has been added is told as it will be in the end.
+      const double known_s = recording.rate.seconds(now) - CountedSteps::kKnownAfter_s;
+      EXPECT_EQ(steps->at(known_s), whole->at(known_s)) << quantum << " at " << now;
+    }
+    steps->end();
+    for (Tick tick = 0; tick < 12'000; tick += 50)
+      EXPECT_EQ(steps->at(1e-6 * static_cast<double>(tick)), whole->at(1e-6 * static_cast<double>(tick)));
+  }
+}
+
 TEST(CountedSteps, ADriveThatStepsOnTheFallingEdgeCountsThat) {
   const auto steps = CountedSteps::of(recordingOf({{110, kDirX | kPulX}, {220, kDirX}, {330, kDirX | kPulX}}),
                                       wiring(false));
