@@ -82,6 +82,7 @@ TEST(CountedSteps, CountTheSameWhileTheRunGoesOn) {
       steps->add(events, now);
       // What has been added is told as it will be in the end.
       const double known_s = recording.rate.seconds(now) - CountedSteps::kKnownAfter_s;
+      if (known_s < 0.0) continue;
       EXPECT_EQ(steps->at(known_s), whole->at(known_s)) << quantum << " at " << now;
     }
     steps->end();
