@@ -97,11 +97,10 @@ void tellVerdict(const report::RunReport& report, base::Console& console) {
                              but.empty() ? "" : " (" + but + ")"));
 }
 
-void tellReport(const report::RunReport& report, const std::filesystem::path& folder,
-                base::Console& console) {
+void tellReport(const report::Digests& digests, const std::filesystem::path& folder, base::Console& console) {
   console.say(fmt::format("report: {}", (folder / "report.html").string()));
-  console.say(fmt::format("digest: {}", report::digestOf(report)));
-  console.say(fmt::format("inputs: {}", report::inputsDigestOf(report)));
+  console.say(fmt::format("digest: {}", digests.results));
+  console.say(fmt::format("inputs: {}", digests.inputs));
 }
 
 void tellTiming(const base::Stopwatch& stopwatch, double virtual_s, base::Console& console) {
@@ -144,14 +143,15 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
     stopwatch.lap("pictures of the machine");
   }
   report.timing = stopwatch.stages();
-  report::writeReports(report, folder.staging());
+  const report::Digests digests = report::digestsOf(report);
+  report::writeReports(report, digests, folder.staging(), options.jobs);
   // Last, so that whatever fails before leaves them where they are.
   if (conclusion.moves_frames)
     std::filesystem::rename(conclusion.spot_frames, folder.staging() / kSpotFrames);
   folder.commit();
   stopwatch.lap("report");
 
-  tellReport(report, folder.place(), console);
+  tellReport(digests, folder.place(), console);
   if (options.timing) tellTiming(stopwatch, report.virtual_s, console);
   return inspect::exitCode(report.result.verdict);
 }

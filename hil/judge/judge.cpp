@@ -183,6 +183,7 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
   if (!evidence.gates.empty() && calibrated.spot && calibrated.kerf) {
     look.atSpotAndCut(run.recording, *calibrated.spot, *calibrated.kerf);
   }
+  evidence.threads = cameras.threads;
   evidence.kerf_calibration = calibrated.kerf;
   evidence.spot_calibration = calibrated.spot;
 

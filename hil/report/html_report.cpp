@@ -164,11 +164,11 @@ std::string entityTable(const RunReport& report) {
   return html;
 }
 
-std::string environment(const RunReport& report) {
+std::string environment(const RunReport& report, const Digests& digests) {
   std::string html = "<table><tbody>";
   html += htmlRow("Repeat with", report.repeat_command, true);
-  html += htmlRow("Digest", digestOf(report), true);
-  html += htmlRow("Digest of inputs", inputsDigestOf(report), true);
+  html += htmlRow("Digest", digests.results, true);
+  html += htmlRow("Digest of inputs", digests.inputs, true);
   for (const EvidencePart& part : report.evidence)
     html += htmlRow("SHA-256 of " + part.name, part.sha256, true);
   html += htmlRow("Scenario", report.scenario_path, true);
@@ -220,7 +220,7 @@ std::string shownPictures(const RunReport& report) {
 
 }  // namespace
 
-std::string htmlReport(const RunReport& report) {
+std::string htmlReport(const RunReport& report, const Digests& digests) {
   const inspect::InspectionResult& result = report.result;
   std::string page =
       htmlPageHead(fmt::format("{} – {}", inspect::verdictName(result.verdict), report.scenario));
@@ -255,7 +255,7 @@ std::string htmlReport(const RunReport& report) {
   }
   if (!pictures.empty()) page += htmlSection("Files beside this report", "<ul>" + pictures + "</ul>");
   page += htmlSection("Machine", modelSection(report));
-  page += htmlSection("What was run", environment(report));
+  page += htmlSection("What was run", environment(report, digests));
   page += htmlSection("Where the time went", timing(report));
   return page.append(kHtmlPageEnd);
 }

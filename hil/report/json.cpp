@@ -120,14 +120,14 @@ OrderedJson entitiesJson(const RunReport& report) {
 
 }  // namespace
 
-std::string verdictJson(const RunReport& report) {
+std::string verdictJson(const RunReport& report, const Digests& digests) {
   const inspect::InspectionResult& result = report.result;
   OrderedJson root;
   root["schema_version"] = 1;
   root["verdict"] = inspect::verdictName(result.verdict);
   root["exit_code"] = inspect::exitCode(result.verdict);
   root["summary"] = verdictSentence(report);
-  root["digest"] = digestOf(report);
+  root["digest"] = digests.results;
   root["scenario"] = report.scenario;
   root["machine"] = report.machine;
   root["firmware"] = report.firmware;
@@ -161,7 +161,7 @@ std::string verdictJson(const RunReport& report) {
   for (const PulseTiming& t : report.pulses) root["pulses"].push_back(pulseJson<OrderedJson>(t));
   root["frames"] = {{"count", report.spot.frames.size()}, {"lost", report.spot.frames_lost}};
   root["mark_residual_mm"] = rounded(report.kerf.mark_residual_mm);
-  root["inputs_digest"] = inputsDigestOf(report);
+  root["inputs_digest"] = digests.inputs;
   root["inputs"] = inputsJson(report.inputs);
   root["evidence"] = evidenceJson(report.evidence);
   root["versions"] = OrderedJson::object();

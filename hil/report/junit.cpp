@@ -22,7 +22,7 @@ void addOutcome(pugi::xml_node test_case, inspect::Verdict verdict, const std::s
   node.text() = text.c_str();
 }
 
-void addProperties(const RunReport& report, pugi::xml_node suite) {
+void addProperties(const RunReport& report, const Digests& digests, pugi::xml_node suite) {
   pugi::xml_node properties = suite.append_child("properties");
   const auto property = [&](const char* key, const std::string& value) {
     pugi::xml_node node = properties.append_child("property");
@@ -30,8 +30,8 @@ void addProperties(const RunReport& report, pugi::xml_node suite) {
     node.append_attribute("value") = value.c_str();
   };
   property("verdict", std::string(inspect::verdictName(report.result.verdict)));
-  property("digest", digestOf(report));
-  property("inputs_digest", inputsDigestOf(report));
+  property("digest", digests.results);
+  property("inputs_digest", digests.inputs);
   property("firmware", report.firmware);
   property("machine", report.machine);
   property("seed", std::to_string(report.seed));
@@ -44,7 +44,7 @@ void addProperties(const RunReport& report, pugi::xml_node suite) {
 
 }  // namespace
 
-std::string junitXml(const RunReport& report) {
+std::string junitXml(const RunReport& report, const Digests& digests) {
   const inspect::InspectionResult& result = report.result;
   const auto count = [&](auto... verdicts) {
     return std::count_if(result.checks.begin(), result.checks.end(),
@@ -72,7 +72,7 @@ std::string junitXml(const RunReport& report) {
     if (node == suite) node.append_attribute("skipped") = skipped;
     node.append_attribute("time") = fmt::format("{:.6f}", report.virtual_s).c_str();
   }
-  addProperties(report, suite);
+  addProperties(report, digests, suite);
 
   const auto testCase = [&](const std::string& case_name) {
     pugi::xml_node node = suite.append_child("testcase");

@@ -137,17 +137,24 @@ std::string digestOf(const RunReport& report);
 /// SHA-256 over the bytes of all files on which the run depends, wherever they lie, and seed, twin and
 /// imperfections: what a verdict was given on.
 std::string inputsDigestOf(const RunReport& report);
+/// Both: they take a while, and are asked for by each file of a report.
+struct Digests {
+  std::string results;
+  std::string inputs;
+};
+inline Digests digestsOf(const RunReport& report) { return {digestOf(report), inputsDigestOf(report)}; }
 
 /// verdict.json, schema_version 1.
-std::string verdictJson(const RunReport& report);
+std::string verdictJson(const RunReport& report, const Digests& digests);
 /// junit.xml: one test case for each check; NOT PROVEN is a failure of type NotProven, INVALID an error.
-std::string junitXml(const RunReport& report);
+std::string junitXml(const RunReport& report, const Digests& digests);
 /// report.html: one file that needs nothing else, for the screen and for paper.
-std::string htmlReport(const RunReport& report);
+std::string htmlReport(const RunReport& report, const Digests& digests);
 
 /// Writes verdict.json, junit.xml and report.html into the folder, each whole or not at all.
 /// @throws std::system_error with the path.
-void writeReports(const RunReport& report, const std::filesystem::path& folder);
+void writeReports(const RunReport& report, const Digests& digests, const std::filesystem::path& folder,
+                  int threads);
 
 /// A number of a check with its unit, e.g. "0.0312 mm", "98.20 %"; "no number" for NaN.
 std::string checkNumber(const inspect::Check& check, double value);

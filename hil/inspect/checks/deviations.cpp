@@ -134,7 +134,7 @@ DeviationResult measureLines(const Evidence& evidence, const Tolerances& limits,
   if (edges != nullptr) addWidthErrors(evidence.kerf, *edges, model);
   std::vector<LineKind> kinds;
   for (const ReadingLine& line : model.lines) kinds.push_back(kindOf(evidence, line));
-  DeviationResult result = measureDeviations(model, kinds, limits.path_mm, kPathSeed);
+  DeviationResult result = measureDeviations(model, kinds, limits.path_mm, kPathSeed, evidence.threads);
   if (edges != nullptr) addBlurUncertainty(evidence.kerf, *edges, limits.path_mm, result);
   for (std::size_t l = 0; l < model.lines.size(); ++l) {
     const KerfWidth width = widthOf(evidence.kerf.entities[model.lines[l].kerf], model.lines[l]);

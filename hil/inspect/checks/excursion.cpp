@@ -67,7 +67,7 @@ void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>&
   }
   if (of.empty()) return;
   const std::vector<LineKind> kinds(of.size());
-  const DeviationResult found = measureDeviations(model, kinds, limit_mm, kExcursionSeed);
+  const DeviationResult found = measureDeviations(model, kinds, limit_mm, kExcursionSeed, evidence.threads);
   for (std::size_t i = 0; i < of.size(); ++i) {
     stillness.cuts[of[i]].excursion_mm = found.lines[i].worst.value;
     stillness.cuts[of[i]].excursion_U_mm = found.lines[i].worst.U;

@@ -137,14 +137,14 @@ Eigen::VectorXd fitDrift(CutResult& cut, std::vector<double>& sigma_mm, double q
 
 /// Peak of the residuals and their RMS about the mean, by the same rules as deviations of the kerf.
 void measurePeaks(const std::vector<CutReadings>& readings, double q, Eigen::Index modes, double by_pixel_mm,
-                  std::vector<CutResult>& cuts) {
+                  int threads, std::vector<CutResult>& cuts) {
   ErrorModel peak{.lines = {}, .modes = modes, .estimator_mm = by_pixel_mm};
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const CutResult& cut = cuts[i];
     peak.lines.push_back(lineOf(cut.residual_mm, readings[i].sigma_mm, readings[i].shared, q));
   }
   const std::vector<LineKind> kinds(cuts.size(), LineKind{"", LineKind::Rms::kAboutMean, false, {}});
-  const DeviationResult peaks = measureDeviations(peak, kinds, 0.0, kStillnessSeed);
+  const DeviationResult peaks = measureDeviations(peak, kinds, 0.0, kStillnessSeed, threads);
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     cuts[i].peak_mm = peaks.lines[i].worst.value;
     cuts[i].peak_U_mm = peaks.lines[i].worst.U;
@@ -196,7 +196,7 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Tole
   for (std::size_t i = 0; i < result.cuts.size(); ++i)
     weights.push_back(fitDrift(result.cuts[i], readings[i].sigma_mm, q));
   const Eigen::Index modes = sharedColumns(evidence, field);
-  measurePeaks(readings, q, modes, placeInPixelSigma_mm(evidence), result.cuts);
+  measurePeaks(readings, q, modes, placeInPixelSigma_mm(evidence), evidence.threads, result.cuts);
   measureExcursions(evidence, readings, q, limits.stillness_mm, result);
 
   const ErrorModel drifts{.lines = driftsOf(result.cuts, weights, readings), .modes = modes};
@@ -211,7 +211,7 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Tole
   }
   if (drifts.lines.empty()) return result;
   const DeviationResult worst = measureDeviations(drifts, std::vector<LineKind>(drifts.lines.size()),
-                                                  limits.stillness_mm, kStillnessSeed + 1);
+                                                  limits.stillness_mm, kStillnessSeed + 1, evidence.threads);
   result.worst_drift_mm = worst.all.worst;
   result.chance_beyond = worst.chance_beyond;
   result.worst_cut = drifts.lines[worst.all.line].caliper.front();

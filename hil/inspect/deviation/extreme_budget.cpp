@@ -9,9 +9,11 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <Eigen/SVD>
 
+#include "hil/base/parallel.h"
 #include "hil/inspect/deviation/error_model.h"
 
 namespace kerfbench::inspect {
@@ -245,7 +247,7 @@ Largest largestOfAll(const std::vector<Largest>& candidates) {
 
 }  // namespace
 
-ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles) {
+ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles, int threads) {
   double highest_seen = 0.0;
   double highest_likely = 0.0;
   double floor = -std::numeric_limits<double>::infinity();
@@ -257,11 +259,13 @@ ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index 
     }
   }
   const SharedIndex index(lines, tiles);
+  std::vector<std::optional<Largest>> sides(2 * lines.size());
+  base::forEachIndex(sides.size(), threads, [&](std::size_t i) {
+    sides[i] = farthestToSide(lines[i / 2], i % 2 == 0 ? 1.0 : -1.0, floor, index);
+  });
   std::vector<Largest> candidates;
-  for (const ExtremeLine& line : lines) {
-    for (const double sign : {1.0, -1.0}) {
-      if (const auto farthest = farthestToSide(line, sign, floor, index)) candidates.push_back(*farthest);
-    }
+  for (std::optional<Largest>& side : sides) {
+    if (side) candidates.push_back(std::move(*side));
   }
   ExtremeBudget budget;
   if (candidates.empty()) return budget;

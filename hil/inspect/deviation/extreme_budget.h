@@ -46,7 +46,7 @@ struct ExtremeBudget {
 /// which are correlated, has the moments that Clark (1961, eqs. 2 to 5) gives for two, one after the other.
 /// Over the two directions of the shared errors that move most the result is integrated, for opposite
 /// sides part by them.
-/// `tiles` is ErrorModel::tiles.
-ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles = 0);
+/// `tiles` is ErrorModel::tiles. The result is the same at any number of threads.
+ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles = 0, int threads = 1);
 
 }  // namespace kerfbench::inspect

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "hil/base/parallel.h"
 #include "hil/inspect/deviation/extreme_budget.h"
 #include "hil/inspect/deviation/simulated_line.h"
 #include "twin/base/random.h"
@@ -17,7 +18,8 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kDraws = 1000;
-constexpr std::uint64_t kStreams = 4;  // Streams of random numbers, for each draw.
+constexpr std::size_t kBatchesAtOnce = 25;  // What is drawn for all lines is kept for so many.
+constexpr std::uint64_t kStreams = 4;       // Streams of random numbers, for each draw.
 constexpr std::uint64_t kHiddenStream = kStreams * kDraws;
 constexpr std::uint64_t kRoundStream =
     kHiddenStream + 1;  // First stream of the circles; each draw of each line takes one from here on.
@@ -227,9 +229,8 @@ class Batch {
   std::vector<Draws> camera_;
 };
 
-/// Simulates all draws; roundness goes to `round[line]` for circles.
-Tally simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::uint64_t seed,
-               std::vector<std::vector<double>>& round) {
+/// What the lines show really and in the likely truth, with room for the draws.
+Tally tallyOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines) {
   Tally tally;
   for (std::size_t l = 0; l < lines.size(); ++l) {
     tally.read.worst.push_back(largestOf(lines[l].estimate_mm));
@@ -238,26 +239,38 @@ Tally simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::
     tally.truth.sum_of_squares.push_back(sumOfSquares(lines[l].likely_mm, lines[l].rms));
     tally.seen.push_back(largestOf(lines[l].seen()));
   }
-  static_assert(kDraws % kDrawsAtOnce == 0);
-  tally.draws.resize(kDraws);
-  for (std::size_t draw = 0; draw < kDraws; draw += kDrawsAtOnce) {
-    const Batch batch(model, seed, draw);
-    std::uint64_t first = 0;
-    for (std::size_t l = 0; l < lines.size(); ++l) {
-      batch.measure(lines[l], l, first);
-      first += model.lines[l].size() + 1;
-      const Draws worst = largestOf(lines[l].simulated_mm);
-      const Draws squares = sumOfSquares(lines[l].reading_mm, lines[l].rms);
-      for (std::size_t d = 0; d < kDrawsAtOnce; ++d) {
-        tally.draws[draw + d].worst.push_back(worst[d]);
-        tally.draws[draw + d].sum_of_squares.push_back(squares[d]);
-      }
-      if (!lines[l].roundness()) continue;
-      const Draws ranges = batch.rangesOf(lines[l], l, seed);
-      round[l].insert(round[l].end(), ranges.begin(), ranges.end());
-    }
-  }
+  const std::vector<double> room(lines.size());
+  tally.draws.assign(kDraws, {room, room});
   return tally;
+}
+
+/// Simulates all draws; roundness goes to `round[line]` for circles. Lines share nothing but what was drawn
+/// for all of them.
+void simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::uint64_t seed, int threads,
+              Tally& tally, std::vector<std::vector<double>>& round) {
+  static_assert(kDraws % (kDrawsAtOnce * kBatchesAtOnce) == 0);
+  std::vector<std::uint64_t> first(lines.size() + 1, 0);
+  for (std::size_t l = 0; l < lines.size(); ++l) first[l + 1] = first[l] + model.lines[l].size() + 1;
+  for (std::size_t begin = 0; begin < kDraws; begin += kDrawsAtOnce * kBatchesAtOnce) {
+    std::vector<Batch> batches;
+    for (std::size_t b = 0; b < kBatchesAtOnce; ++b)
+      batches.emplace_back(model, seed, begin + b * kDrawsAtOnce);
+    base::forEachIndex(lines.size(), threads, [&](std::size_t l) {
+      std::size_t draw = begin;
+      for (const Batch& batch : batches) {
+        batch.measure(lines[l], l, first[l]);
+        const Draws worst = largestOf(lines[l].simulated_mm);
+        const Draws squares = sumOfSquares(lines[l].reading_mm, lines[l].rms);
+        for (std::size_t d = 0; d < kDrawsAtOnce; ++d, ++draw) {
+          tally.draws[draw].worst[l] = worst[d];
+          tally.draws[draw].sum_of_squares[l] = squares[d];
+        }
+        if (!lines[l].roundness()) continue;
+        const Draws ranges = batch.rangesOf(lines[l], l, seed);
+        round[l].insert(round[l].end(), ranges.begin(), ranges.end());
+      }
+    });
+  }
 }
 
 /// The range about the least-squares circle is an extreme as well.
@@ -272,7 +285,7 @@ Quantity circularityOf(const Roundness& round, std::vector<double> drawn, std::u
 
 /// The same without simulation. What a line shows in one tile moves apart from what it shows in the next, so
 /// that each such part competes on its own.
-ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines) {
+ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines, int threads) {
   std::vector<ExtremeLine> extremes;
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const ReadingLine& line = model.lines[l];
@@ -293,7 +306,7 @@ ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>
       }
     }
   }
-  return extremeBudget(extremes, model.tiles);
+  return extremeBudget(extremes, model.tiles, threads);
 }
 
 UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all, double estimator_mm) {
@@ -333,19 +346,26 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all,
 }  // namespace
 
 DeviationResult measureDeviations(const ErrorModel& model, const std::vector<LineKind>& kinds,
-                                  double limit_mm, std::uint64_t seed) {
+                                  double limit_mm, std::uint64_t seed, int threads) {
   std::vector<SimulatedLine> lines;
   lines.reserve(model.lines.size());
   for (std::size_t l = 0; l < model.lines.size(); ++l) lines.emplace_back(model.lines[l], kinds[l]);
   std::vector<std::vector<double>> round(lines.size());
-  const Tally tally = simulate(model, lines, seed, round);
+  Tally tally = tallyOf(model, lines);
+  simulate(model, lines, seed, threads, tally, round);
 
   DeviationResult result;
+  result.lines.resize(lines.size());
+  result.circularity.resize(lines.size());
+  base::forEachIndex(lines.size(), threads, [&](std::size_t l) {
+    result.lines[l] = Group(model, lines, {l}, tally).estimate(seed);
+    if (lines[l].roundness())
+      result.circularity[l] = circularityOf(*lines[l].roundness(), std::move(round[l]), seed);
+  });
   std::vector<std::size_t> everything;
   std::vector<std::vector<std::size_t>> of_layer;
   for (std::size_t l = 0; l < lines.size(); ++l) {
     everything.push_back(l);
-    result.lines.push_back(Group(model, lines, {l}, tally).estimate(seed));
     const auto known = std::find(result.layer_names.begin(), result.layer_names.end(), kinds[l].layer);
     if (known == result.layer_names.end()) {
       result.layer_names.push_back(kinds[l].layer);
@@ -353,8 +373,6 @@ DeviationResult measureDeviations(const ErrorModel& model, const std::vector<Lin
     } else {
       of_layer[static_cast<std::size_t>(known - result.layer_names.begin())].push_back(l);
     }
-    result.circularity.push_back(
-        lines[l].roundness() ? circularityOf(*lines[l].roundness(), std::move(round[l]), seed) : Quantity{});
   }
   for (auto& members : of_layer)
     result.layers.push_back(Group(model, lines, std::move(members), tally).estimate(seed));
@@ -362,7 +380,7 @@ DeviationResult measureDeviations(const ErrorModel& model, const std::vector<Lin
   result.all = all.estimate(seed);
   result.chance_beyond = all.chanceAbove(limit_mm, result.all, seed);
   if (std::isfinite(result.all.worst.U))
-    result.budget = describe(budgetOf(model, lines), result.all, model.estimator_mm);
+    result.budget = describe(budgetOf(model, lines, threads), result.all, model.estimator_mm);
   return result;
 }
 

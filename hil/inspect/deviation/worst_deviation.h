@@ -71,8 +71,8 @@ struct LineKind {
 /// as large as places compete to be the worst, which one measurement does not show: it is taken as known to
 /// within itself (rectangular, JCGM 100, 4.3.7). The budget finds both again without simulation
 /// (extreme_budget.h). RMS is of the readings, less the square that their
-/// uncertainty adds.
+/// uncertainty adds. The result is the same at any number of threads.
 DeviationResult measureDeviations(const ErrorModel& model, const std::vector<LineKind>& kinds,
-                                  double limit_mm, std::uint64_t seed);
+                                  double limit_mm, std::uint64_t seed, int threads = 1);
 
 }  // namespace kerfbench::inspect

@@ -19,6 +19,7 @@ namespace kerfbench::inspect {
 
 /// Everything the verdict may rest on: pictures and pins, never the model.
 struct Evidence {
+  int threads{1};  ///< For the simulations of uncertainty; the result is the same at any number.
   const dieline::Dieline* dieline{};
   PrintLayout print;
   vision::SpotTrack spot;

@@ -21,6 +21,8 @@
 namespace kerfbench::report {
 namespace {
 
+using test::htmlOf;
+using test::jsonOf;
 using test::reportOf;
 using ::testing::HasSubstr;
 
@@ -111,7 +113,7 @@ TEST(InputsDigest, BindsTheBytesOfAllFilesAndNotTheirPlaces) {
   b = a;
   ++b.seed;
   EXPECT_NE(inputsDigestOf(a), inputsDigestOf(b));
-  const auto json = nlohmann::json::parse(verdictJson(a));
+  const auto json = nlohmann::json::parse(jsonOf(a));
   EXPECT_EQ(json["inputs_digest"], inputsDigestOf(a));
   EXPECT_EQ(json["inputs"][0]["file"], "label.dxf");
 }
@@ -130,10 +132,10 @@ TEST(Digest, BindsTheEvidenceWhateverIsReadOfIt) {
   b = a;
   b.evidence.pop_back();
   EXPECT_NE(digestOf(a), digestOf(b));
-  const auto json = nlohmann::json::parse(verdictJson(a));
+  const auto json = nlohmann::json::parse(jsonOf(a));
   EXPECT_EQ(json["evidence"][0]["name"], "pins");
   EXPECT_EQ(json["evidence"][1]["sha256"], std::string(64, 'b'));
-  EXPECT_THAT(htmlReport(a), HasSubstr(std::string(64, 'b')));
+  EXPECT_THAT(htmlOf(a), HasSubstr(std::string(64, 'b')));
 }
 
 TEST(Digest, KnowsNothingOfWhatTheModelAloneKnows) {
@@ -145,7 +147,7 @@ TEST(Digest, KnowsNothingOfWhatTheModelAloneKnows) {
   b.model.imperfections = "dynamic";
   b.model.twin = "fast";
   EXPECT_EQ(digestOf(a), digestOf(b));
-  EXPECT_NE(verdictJson(a), verdictJson(b));
+  EXPECT_NE(jsonOf(a), jsonOf(b));
 }
 
 }  // namespace

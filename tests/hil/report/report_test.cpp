@@ -25,6 +25,9 @@ namespace kerfbench::report {
 namespace {
 
 using test::badRun;
+using test::htmlOf;
+using test::jsonOf;
+using test::junitOf;
 using test::reportOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -41,7 +44,7 @@ TEST(VerdictSentence, TellsWhyTheControllerStopped) {
 
 TEST(VerdictJson, HasTheKeysOfItsSchema) {
   const inspect::testing::SyntheticRun run;
-  const auto json = nlohmann::json::parse(verdictJson(reportOf(run)));
+  const auto json = nlohmann::json::parse(jsonOf(reportOf(run)));
   for (const char* key :
        {"schema_version", "verdict",        "exit_code", "summary", "digest",    "scenario",
         "machine",        "firmware",       "source",    "seed",    "virtual_s", "problems",
@@ -65,7 +68,7 @@ TEST(VerdictJson, HasTheKeysOfItsSchema) {
 TEST(VerdictJson, WritesNoNumberAsNull) {
   inspect::testing::SyntheticRun run;
   run.evidence.kerf_calibration.reset();
-  const auto json = nlohmann::json::parse(verdictJson(reportOf(run)));
+  const auto json = nlohmann::json::parse(jsonOf(reportOf(run)));
   EXPECT_TRUE(json["checks"][0]["value"].is_null());
   EXPECT_EQ(json["verdict"], "INVALID");
 }
@@ -77,16 +80,16 @@ TEST(VerdictJson, SaysNothingOfWallTimeOrHost) {
   b.host = "bench-2";
   b.finished = "later";
   b.timing = {{"twin", 99.0}};
-  EXPECT_EQ(verdictJson(a), verdictJson(b));
+  EXPECT_EQ(jsonOf(a), jsonOf(b));
 }
 
 TEST(ModelFactsTest, LostStepsAreToldWithTimeAxisPlaceAndCountAndNotJudged) {
   const inspect::testing::SyntheticRun run;
   RunReport report = reportOf(run);
   EXPECT_EQ(lostStepsSentence(report.model), "");
-  EXPECT_THAT(htmlReport(report), Not(HasSubstr("The machine lost steps")));
+  EXPECT_THAT(htmlOf(report), Not(HasSubstr("The machine lost steps")));
   report.model.lost_steps = {{"galvo_x", 1.25, 0.012345, "rad", 8}, {"galvo_y", 1.5, -0.01, "rad", -4}};
-  const auto json = nlohmann::json::parse(verdictJson(report));
+  const auto json = nlohmann::json::parse(jsonOf(report));
   EXPECT_EQ(json["verdict"], "PASS");
   EXPECT_EQ(json["exit_code"], 0);
   const auto& lost = json["model"]["lost_steps"];
@@ -95,7 +98,7 @@ TEST(ModelFactsTest, LostStepsAreToldWithTimeAxisPlaceAndCountAndNotJudged) {
   EXPECT_EQ(lost[0]["time_s"], 1.25);
   EXPECT_EQ(lost[0]["place"], 0.012345);
   EXPECT_EQ(lost[1]["full_steps"], -4);
-  const std::string html = htmlReport(report);
+  const std::string html = htmlOf(report);
   const auto sentence =
       html.find("The machine lost steps: galvo_x 8 full steps at 1.250 s (the first of 2 times).");
   ASSERT_NE(sentence, std::string::npos);
@@ -106,13 +109,13 @@ TEST(ModelFactsTest, LostStepsAreToldWithTimeAxisPlaceAndCountAndNotJudged) {
 
 TEST(ModelFactsTest, WhatWasDrawnStandsWithItsUnitAndAllItsDigits) {
   RunReport report = reportOf(inspect::testing::SyntheticRun());
-  const auto json = nlohmann::json::parse(verdictJson(report));
+  const auto json = nlohmann::json::parse(jsonOf(report));
   EXPECT_EQ(json["model"]["imperfections"], "static");
   EXPECT_EQ(json["model"]["twin"], "reference");
   EXPECT_EQ(json["model"]["sampled"][0]["name"], "galvo_x.zero");
   EXPECT_EQ(json["model"]["sampled"][0]["value"], 4.5e-6);
   EXPECT_EQ(json["model"]["sampled"][0]["unit"], "rad");
-  const std::string html = htmlReport(report);
+  const std::string html = htmlOf(report);
   EXPECT_THAT(html, HasSubstr("Imperfections <b>static</b>, seed 42, model <b>reference</b>"));
   EXPECT_THAT(html, HasSubstr("<td>galvo_x.zero<td class=num>4.5e-06<td>rad"));
   EXPECT_THAT(html, HasSubstr("&lt;relative&gt;"));
@@ -124,7 +127,7 @@ TEST(JunitXml, CountsWhatItLists) {
   report.result.checks[0].verdict = inspect::Verdict::kNotProven;
   report.result.checks[1].verdict = inspect::Verdict::kInvalid;
   pugi::xml_document document;
-  ASSERT_TRUE(document.load_string(junitXml(report).c_str()));
+  ASSERT_TRUE(document.load_string(junitOf(report).c_str()));
   const auto suite = document.select_node("/testsuites/testsuite").node();
   EXPECT_EQ(suite.select_nodes("testcase").size(),
             report.result.checks.size() + report.result.unjudged.size() + 1);
@@ -194,9 +197,9 @@ TEST(Reservations, StandInTheSentenceOfAPassAndInEachFile) {
   EXPECT_THAT(verdictSentence(report), HasSubstr("calibrations may be 365 days old (default 180)"));
   EXPECT_THAT(kindsOf(report), ::testing::IsSupersetOf({"calibration_age", "calibration_undated"}));
   report.calibration_max_age_days = 30;
-  EXPECT_THAT(htmlReport(report), HasSubstr("path_mm 10 (default 0.05)"));
-  EXPECT_THAT(junitXml(report), HasSubstr("path_mm 10 (default 0.05)"));
-  const auto json = nlohmann::json::parse(verdictJson(report));
+  EXPECT_THAT(htmlOf(report), HasSubstr("path_mm 10 (default 0.05)"));
+  EXPECT_THAT(junitOf(report), HasSubstr("path_mm 10 (default 0.05)"));
+  const auto json = nlohmann::json::parse(jsonOf(report));
   EXPECT_EQ(json.at("reservations").size(), 6U);
   EXPECT_EQ(json.at("reservations").at(0).at("kind"), "wide_limit");
 }
@@ -205,13 +208,13 @@ TEST(JunitXml, BrokenEvidenceIsAnErrorEvenIfEveryCheckPasses) {
   inspect::testing::SyntheticRun run;
   run.evidence.problems.emplace_back("Gap in the pin stream at 1.2 s.");
   pugi::xml_document document;
-  ASSERT_TRUE(document.load_string(junitXml(reportOf(run)).c_str()));
+  ASSERT_TRUE(document.load_string(junitOf(reportOf(run)).c_str()));
   EXPECT_EQ(document.select_nodes("//testcase[@name='evidence']/error").size(), 1U);
   EXPECT_EQ(document.select_node("//testsuite").node().attribute("errors").as_int(), 1);
 }
 
 TEST(HtmlReport, NeedsNothingElse) {
-  const std::string html = htmlReport(reportOf(badRun()));
+  const std::string html = htmlOf(reportOf(badRun()));
   // Pictures are inside; the only links are to the files next to it.
   EXPECT_EQ(test::outsideReferences(html, "sheet-unit0.png"), "");
   EXPECT_EQ(test::numberFaults(html), "");
@@ -221,7 +224,7 @@ TEST(HtmlReport, NeedsNothingElse) {
 TEST(HtmlReport, EscapesWhatOthersWrote) {
   RunReport report = reportOf(inspect::testing::SyntheticRun());
   report.scenario = "<b>&\"x'";
-  const std::string html = htmlReport(report);
+  const std::string html = htmlOf(report);
   EXPECT_THAT(html, Not(HasSubstr("<b>&\"x'")));
   EXPECT_THAT(html, HasSubstr("&lt;b&gt;&amp;&quot;x&#39;"));
   EXPECT_THAT(html, HasSubstr("controller-avr.hex &lt;atmega2560&gt;"));
@@ -239,14 +242,14 @@ TEST(HtmlReport, StaysSmallForALargeCarton) {
   std::size_t calipers = 0;
   for (const auto& kerf : report.kerf.entities) calipers += kerf.calipers.size();
   ASSERT_GT(calipers, 16000U);
-  EXPECT_LT(htmlReport(report).size(), 5U << 20U);
+  EXPECT_LT(htmlOf(report).size(), 5U << 20U);
 }
 
 TEST(HtmlReport, TellsEvenOfARunWithoutAnyMeasurement) {
   RunReport report;
   report.result.problems.emplace_back("The firmware crashed at 0.3 s.");
-  EXPECT_THAT(htmlReport(report), HasSubstr("The firmware crashed at 0.3 s."));
-  EXPECT_THAT(verdictJson(report), HasSubstr("\"INVALID\""));
+  EXPECT_THAT(htmlOf(report), HasSubstr("The firmware crashed at 0.3 s."));
+  EXPECT_THAT(jsonOf(report), HasSubstr("\"INVALID\""));
 }
 
 TEST(WriteReports, WritesAllThree) {
@@ -254,10 +257,10 @@ TEST(WriteReports, WritesAllThree) {
   const auto folder = std::filesystem::path(KERFBENCH_BINARY_DIR) / "report-example";
   std::filesystem::create_directories(folder);
   const RunReport report = reportOf(badRun());
-  writeReports(report, folder);
+  writeReports(report, digestsOf(report), folder, 2);
   std::ostringstream text;
   text << std::ifstream(folder / "report.html").rdbuf();
-  EXPECT_EQ(text.str(), htmlReport(report));
+  EXPECT_EQ(text.str(), htmlOf(report));
   EXPECT_TRUE(std::filesystem::exists(folder / "junit.xml"));
   EXPECT_TRUE(std::filesystem::exists(folder / "verdict.json"));
 }

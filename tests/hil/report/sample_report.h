@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "hil/report/run_report.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
@@ -10,5 +12,10 @@ namespace kerfbench::report::test {
 RunReport reportOf(const inspect::testing::SyntheticRun& run);
 /// A run with a fault in most places, to show every part of the page.
 inspect::testing::SyntheticRun badRun();
+
+// Its files, as written.
+inline std::string jsonOf(const RunReport& report) { return verdictJson(report, digestsOf(report)); }
+inline std::string junitOf(const RunReport& report) { return junitXml(report, digestsOf(report)); }
+inline std::string htmlOf(const RunReport& report) { return htmlReport(report, digestsOf(report)); }
 
 }  // namespace kerfbench::report::test
