@@ -4,28 +4,23 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
 
-#include <Eigen/SVD>
-
 #include "hil/base/parallel.h"
 #include "hil/inspect/deviation/error_model.h"
+#include "hil/inspect/deviation/largest_of_all.h"
+#include "hil/inspect/deviation/normal_cdf.h"
 
 namespace kerfbench::inspect {
 namespace {
 
-constexpr double kFar = 6.5;        // Sigmas: no value comes so far.
-constexpr std::size_t kSteps = 8;   // Steps of the integral over the angle.
-constexpr int kGrid = 160;          // Points of the distribution.
-constexpr int kNodes = 7;           // Nodes each way of the integral over shared errors,
-constexpr double kNodePitch = 0.5;  // so many standard deviations apart: what kinks is right to 2 %.
-
-double normalCdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+constexpr double kFar = 6.5;       // Sigmas: no value comes so far.
+constexpr std::size_t kSteps = 8;  // Steps of the integral over the angle.
+constexpr int kGrid = 160;         // Points of the distribution.
 
 /// P(Z1 <= a, Z2 > b) of normal values of correlation cos(angle).
 class Crossing {
@@ -100,14 +95,6 @@ double totalHazard(const std::vector<Side>& sides, double w) {
   return sum;
 }
 
-/// A largest value: normal about `mean`, moved by shared errors by `gradient`, and by others that it shares
-/// with no one.
-struct Largest {
-  double mean{};
-  double variance{};            ///< In all.
-  Eigen::RowVectorXd gradient;  ///< Gradient by the poses of all units, then by tiles and camera.
-};
-
 /// How the places of the shared errors of one line lie in those of all.
 class SharedIndex {
  public:
@@ -121,13 +108,19 @@ class SharedIndex {
   [[nodiscard]] Eigen::Index poses() const {
     return static_cast<Eigen::Index>(place_.size()) * ReadingLine::kPose;
   }
-  [[nodiscard]] Eigen::RowVectorXd spread(const ExtremeLine& line, const Eigen::RowVectorXd& own) const {
-    Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(poses() + tiles_ + camera_);
-    all.segment<ReadingLine::kPose>(place_.at(line.unit)) =
-        own.segment<ReadingLine::kPose>(ReadingLine::kLine);
-    for (std::size_t k = 0; k < line.tiles.size(); ++k)
-      all[poses() + line.tiles[k]] = own[ReadingLine::kOwn + static_cast<Eigen::Index>(k)];
-    all.tail(camera_) = own.tail(camera_);
+  /// Number of all.
+  [[nodiscard]] Eigen::Index size() const { return poses() + tiles_ + camera_; }
+  /// What moves a line, as the places of all.
+  [[nodiscard]] std::vector<std::pair<Eigen::Index, double>> spread(const ExtremeLine& line,
+                                                                    const Eigen::RowVectorXd& own) const {
+    std::vector<std::pair<Eigen::Index, double>> all;
+    for (Eigen::Index k = 0; k < ReadingLine::kPose; ++k)
+      all.emplace_back(place_.at(line.unit) + k, own[ReadingLine::kLine + k]);
+    const auto tiles = static_cast<Eigen::Index>(line.tiles.size());
+    for (Eigen::Index k = 0; k < tiles; ++k)
+      all.emplace_back(poses() + line.tiles[static_cast<std::size_t>(k)], own[ReadingLine::kOwn + k]);
+    for (Eigen::Index k = 0; k < camera_; ++k)
+      all.emplace_back(poses() + tiles_ + k, own[ReadingLine::kOwn + tiles + k]);
     return all;
   }
 
@@ -176,75 +169,6 @@ std::optional<Largest> farthestToSide(const ExtremeLine& line, double sign, doub
                  index.spread(line, shared)};
 }
 
-/// The larger of two (Clark 1961).
-Largest largerOf(const Largest& x, const Largest& y) {
-  const double parted = x.variance + y.variance - 2.0 * x.gradient.dot(y.gradient);
-  if (!(parted > 0.0)) return x.mean > y.mean ? x : y;
-  const double a = std::sqrt(parted);
-  const double z = (x.mean - y.mean) / a;
-  const double p = normalCdf(z);
-  const double density = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
-  Largest out;
-  out.mean = x.mean * p + y.mean * (1.0 - p) + a * density;
-  const double square = (x.mean * x.mean + x.variance) * p + (y.mean * y.mean + y.variance) * (1.0 - p) +
-                        (x.mean + y.mean) * a * density;
-  out.gradient = p * x.gradient + (1.0 - p) * y.gradient;
-  out.variance = std::max(square - out.mean * out.mean, out.gradient.squaredNorm());
-  return out;
-}
-
-/// The two directions among the shared errors that move the candidates most (columns; orthonormal).
-Eigen::MatrixXd mainDirections(const std::vector<Largest>& candidates) {
-  const Eigen::Index n = candidates.front().gradient.size();
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(candidates.size()), n);
-  for (std::size_t i = 0; i < candidates.size(); ++i)
-    rows.row(static_cast<Eigen::Index>(i)) = candidates[i].gradient;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinV);
-  return svd.matrixV().leftCols(std::min<Eigen::Index>(2, svd.matrixV().cols()));
-}
-
-/// Largest of all, given where the errors of the main directions are.
-Largest largestGiven(const std::vector<Largest>& candidates, const Eigen::MatrixXd& directions,
-                     const Eigen::VectorXd& at) {
-  std::optional<Largest> all;
-  std::vector<Largest> moved;
-  for (const Largest& candidate : candidates) {
-    const Eigen::RowVectorXd along = candidate.gradient * directions;
-    moved.push_back({candidate.mean + along.dot(at), candidate.variance - along.squaredNorm(),
-                     candidate.gradient - along * directions.transpose()});
-  }
-  std::ranges::stable_sort(moved, std::greater{}, &Largest::mean);
-  for (const Largest& candidate : moved) all = all ? largerOf(*all, candidate) : candidate;
-  return *all;
-}
-
-/// Largest of all. An error that lines share makes one side larger by what it takes from the other, and no
-/// slope tells that: the two directions that move most are integrated over, the rest is taken as linear.
-Largest largestOfAll(const std::vector<Largest>& candidates) {
-  const Eigen::MatrixXd directions = mainDirections(candidates);
-  const Eigen::Index n = directions.cols();
-  Largest all{0.0, 0.0, Eigen::RowVectorXd::Zero(candidates.front().gradient.size())};
-  double square = 0.0;
-  double weights = 0.0;
-  for (int i = -kNodes; i <= kNodes; ++i) {
-    for (int k = n < 2 ? 0 : -kNodes; k <= (n < 2 ? 0 : kNodes); ++k) {
-      const Eigen::VectorXd at = kNodePitch * Eigen::Vector2d(i, k).head(n);
-      const double weight = std::exp(-0.5 * at.squaredNorm());
-      const Largest given = largestGiven(candidates, directions, at);
-      weights += weight;
-      all.mean += weight * given.mean;
-      square += weight * (given.mean * given.mean + given.variance);
-      // The slope along the main directions, by Stein's lemma.
-      all.gradient += weight * (given.gradient + given.mean * (directions * at).transpose());
-    }
-  }
-  all.mean /= weights;
-  all.gradient /= weights;
-  square /= weights;
-  all.variance = std::max(square - all.mean * all.mean, all.gradient.squaredNorm());
-  return all;
-}
-
 }  // namespace
 
 ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles, int threads) {
@@ -269,7 +193,7 @@ ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index 
   }
   ExtremeBudget budget;
   if (candidates.empty()) return budget;
-  const Largest all = largestOfAll(candidates);
+  const LargestOfAll all = largestOfAll(candidates, index.size());
   budget.extreme_bias = all.mean - highest_seen;
   budget.smoothing_bias = highest_seen - highest_likely;
   budget.u_pose = all.gradient.head(index.poses()).norm();
