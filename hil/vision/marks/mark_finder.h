@@ -30,7 +30,7 @@ struct FoundMark {
 /// edge, mapped through the calibration so that perspective shifts nothing. nullopt if there is no whole,
 /// undisturbed disc of about this diameter.
 ///
-/// `known`: the levels of this mark in the picture before, where near_mm is predicted from that picture. A
+/// `known`: the levels of this mark in pictures before, where near_mm is predicted from one of them. A
 /// disc that lies there within a pixel and has these levels is measured without being searched for, as well
 /// as with levels of its own picture. Any other is searched for as if nothing were known.
 std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibration& calibration,

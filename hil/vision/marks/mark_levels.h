@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include <Eigen/Core>
 
 namespace kerfbench::vision {
@@ -11,8 +13,16 @@ struct MarkLevels {
   double board{};
   double ink{};
   Eigen::Vector2d slope{Eigen::Vector2d::Zero()};
+  double pictures{1.0};  ///< Number of pictures that these are the mean of.
 
   [[nodiscard]] double contrast() const { return board - ink; }
+  /// Takes in what another picture shows; what was seen longer ago than `most` pictures fades away.
+  void average(const MarkLevels& another, double most) {
+    pictures = std::min(pictures + 1.0, most);
+    board += (another.board - board) / pictures;
+    ink += (another.ink - ink) / pictures;
+    slope += (another.slope - slope) / pictures;
+  }
 };
 
 }  // namespace kerfbench::vision

@@ -73,6 +73,7 @@ class MarkSums {
       : disc_(disc),
         levels_(levels),
         check_edge_(check_edge),
+        levels_known_(levels.pictures > 1.0),
         gray_per_level_(static_cast<float>(1.0 / levels_per_gray)),
         contrast_(levels.contrast()),
         radius_px_(disc.radius_px()),
@@ -91,11 +92,14 @@ class MarkSums {
     if (look.empty()) return;
     const Span disc = circles.within(edge_end2_, look);
     const Span full = circles.within(edge_begin2_, disc);
-    for (const Span& board : around(look, disc))
-      collect(row, board, y, board_pixels_, [this](const DiscPixels& p) { takeBoard(p); });
     for (const Span& edge : around(disc, full))
       collect(row, edge, y, edge_pixels_, [this](const DiscPixels& p) { takeEdge(p); });
-    collect(row, circles.within(inner2_, look), y, ink_pixels_, [this](const DiscPixels& p) { takeInk(p); });
+    if (!levels_known_ || r % 2 == 0) {
+      for (const Span& board : around(look, disc))
+        collect(row, board, y, board_pixels_, [this](const DiscPixels& p) { takeBoard(p); });
+      collect(row, circles.within(inner2_, look), y, ink_pixels_,
+              [this](const DiscPixels& p) { takeInk(p); });
+    }
     const double n = std::max(0, full.last - full.first);
     full_ += n;
     full_moment_ += n * Eigen::Vector2d(0.5 * (full.first + full.last - 1) - disc_.centre.x(), y);
@@ -225,6 +229,7 @@ class MarkSums {
     // A lamp at one side would pull the disc to itself.
     levels.board = plane->gray;
     levels.slope = plane->slope / plane->gray;
+    levels.pictures = 1.0;
     return levels;
   }
 
@@ -234,7 +239,7 @@ class MarkSums {
     if (!plane) return by_edge;
     // What a gray of noise in each pixel does to the centroid, by the edge and by the light's slope.
     const double by_pixel = std::sqrt(edge_.half_square.total()) / contrast_ / weight;
-    const double slope = 1.0 / plane->gray / std::sqrt(plane->spread_px2);
+    const double slope = 1.0 / plane->gray / std::sqrt(plane->spread_px2 * levels_.pictures);
     const double by_slope = slope * edge_.half_square_gray.total() / contrast_ / weight;
     // Grain that makes the edge worse than white noise makes the slope worse, too.
     const double gray = std::max(plane->noise_gray, by_pixel > 0.0 ? by_edge / by_pixel : 0.0);
@@ -244,6 +249,7 @@ class MarkSums {
   const DiscPlace& disc_;
   const MarkLevels& levels_;
   bool check_edge_;
+  bool levels_known_;  ///< By several pictures: half of the rows tell whether they still hold.
   float gray_per_level_;
   double contrast_;
   double radius_px_;

@@ -173,9 +173,36 @@ void SheetTracker::poolNoise(std::vector<MarkPair>& pairs, std::span<const doubl
   for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].sigma_mm = std::sqrt(pooled_mm3_ / diameters_mm[i]);
 }
 
+std::optional<FoundMark> SheetTracker::measured(const GrayImage& part, int unit, std::size_t mark,
+                                                const Eigen::Vector2d& p_mm, double search_mm) const {
+  const auto before = levels_.find({unit, mark});
+  const auto known = before == levels_.end() ? std::nullopt : std::optional(before->second);
+  return measureMark(part, calibration_, p_mm, print_.marks[mark].diameter_mm, search_mm, known);
+}
+
+std::vector<SheetTracker::MarkGlance> SheetTracker::glance(const FrameView& view, double time_s,
+                                                           const std::optional<KeepOut>& spot) const {
+  std::vector<MarkGlance> glances;
+  if (units_.empty() || time_s - time_s_ > kMostAhead_s) return glances;
+  const auto [first, last] = unitsToLookFor();
+  for (int unit = first; unit <= last; ++unit) {
+    const PlaneMotion expected = predict(unit, time_s).motion;
+    const double search_mm = looseness(unit, time_s);
+    for (std::size_t i = 0; i < print_.marks.size(); ++i) {
+      const RegistrationMark& mark = print_.marks[i];
+      const Eigen::Vector2d p_mm = expected * mark.p_SM_mm;
+      if (!markInView(p_mm, mark.diameter_mm) || isCovered(p_mm, mark.diameter_mm, spot)) continue;
+      if (const GrayImage* const part = view.around(calibration_.pixelFromPlane(p_mm)))
+        glances.push_back({unit, i, measured(*part, unit, i, p_mm, search_mm)});
+    }
+  }
+  return glances;
+}
+
 SheetTracker::Sighting SheetTracker::lookForMarks(const FrameView& view, int unit,
                                                   const PlaneMotion& expected, double search_mm,
-                                                  const std::optional<KeepOut>& spot) const {
+                                                  const std::optional<KeepOut>& spot,
+                                                  std::span<const MarkGlance> glances) const {
   Sighting seen;
   for (std::size_t i = 0; i < print_.marks.size(); ++i) {
     const RegistrationMark& mark = print_.marks[i];
@@ -183,15 +210,17 @@ SheetTracker::Sighting SheetTracker::lookForMarks(const FrameView& view, int uni
     if (!markInView(p_mm, mark.diameter_mm)) continue;
     const GrayImage* const part = view.around(calibration_.pixelFromPlane(p_mm));
     if (part == nullptr && !view.whole()) continue;  // Not read out in this frame.
-    const bool covered = spot && (p_mm - spot->p_mm).norm() < 0.7 * mark.diameter_mm + spot->radius_mm;
+    const bool covered = isCovered(p_mm, mark.diameter_mm, spot);
     std::optional<FoundMark> found;
     // Where it should be found for certain: not so near to the border that the prediction decides.
     const bool certain = markInView(p_mm, mark.diameter_mm + 2.0 * search_mm);
     seen.in_view += !covered && certain ? 1 : 0;
     if (!covered && part != nullptr) {
-      const auto before = levels_.find({unit, i});
-      const auto known = before == levels_.end() ? std::nullopt : std::optional(before->second);
-      found = measureMark(*part, calibration_, p_mm, mark.diameter_mm, search_mm, known);
+      const auto glance =
+          std::ranges::find_if(glances, [&](const MarkGlance& g) { return g.unit == unit && g.mark == i; });
+      // Where a glance finds nothing it may have looked too far off.
+      if (glance != glances.end()) found = glance->found;
+      if (!found) found = measured(*part, unit, i, p_mm, search_mm);
     }
     if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
     seen.pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
@@ -203,7 +232,8 @@ SheetTracker::Sighting SheetTracker::lookForMarks(const FrameView& view, int uni
 }
 
 std::vector<SheetPose> SheetTracker::measure(const FrameView& view, double time_s,
-                                             const std::optional<KeepOut>& spot) {
+                                             const std::optional<KeepOut>& spot,
+                                             std::span<const MarkGlance> glances) {
   std::vector<SheetPose> poses;
   if (units_.empty()) return poses;
   std::map<int, UnitState> measured;
@@ -212,9 +242,10 @@ std::vector<SheetPose> SheetTracker::measure(const FrameView& view, double time_
   const auto [first, last] = unitsToLookFor();
   for (int unit = first; unit <= last; ++unit) {
     const UnitState before = predict(unit, time_s);
-    Sighting seen = lookForMarks(view, unit, before.motion, looseness(unit, time_s), spot);
+    Sighting seen = lookForMarks(view, unit, before.motion, looseness(unit, time_s), spot, glances);
     for (std::size_t i = 0; i < seen.marks.size(); ++i) {
-      levels_[{unit, seen.marks[i]}] = seen.levels[i];
+      const auto [known, is_new] = levels_.try_emplace({unit, seen.marks[i]}, seen.levels[i]);
+      if (!is_new) known->second.average(seen.levels[i], kPooledMarks);
       contrast += seen.levels[i].contrast();
     }
     contrasts += static_cast<int>(seen.levels.size());
@@ -311,19 +342,20 @@ bool SheetTracker::lock(const std::vector<FoundMark>& seen, double time_s) {
 
 std::vector<SheetPose> SheetTracker::step(const FrameView& view, double time_s,
                                           const std::optional<KeepOut>& spot,
-                                          const std::vector<FoundMark>* all_marks) {
+                                          const std::vector<FoundMark>* all_marks,
+                                          std::span<const MarkGlance> glances) {
   if (print_.marks.empty() || print_.units < 1) return {};
   if (units_.empty()) {
     if (all_marks == nullptr || !lock(*all_marks, time_s)) {
       time_s_ = time_s;
       return {};
     }
-    return measure(view, time_s, spot);
+    return measure(view, time_s, spot, {});
   }
   const std::map<int, UnitState> before = units_;
   const double before_time_s = time_s_;
   const double before_speed_mm_s = speed_mm_s_;
-  std::vector<SheetPose> poses = measure(view, time_s, spot);
+  std::vector<SheetPose> poses = measure(view, time_s, spot, glances);
   if (all_marks == nullptr || all_marks->empty()) return poses;
 
   // Does what we believe explain what the full search saw? A false first sight is mended here.
@@ -346,7 +378,7 @@ std::vector<SheetPose> SheetTracker::step(const FrameView& view, double time_s,
     if (!locked) units_ = before;
   }
   if (locked) {
-    std::vector<SheetPose> again = measure(view, time_s, spot);
+    std::vector<SheetPose> again = measure(view, time_s, spot, {});
     int marks_now = 0;
     int marks_before = 0;
     for (const SheetPose& pose : again) marks_now += pose.marks;

@@ -31,10 +31,24 @@ class SheetTracker {
     double radius_mm{};
   };
 
+  /// A mark that was looked for where it should be.
+  struct MarkGlance {
+    int unit{};
+    std::size_t mark{};  ///< Index in the print.
+    std::optional<FoundMark> found;
+  };
+  /// Frames that come at once are predicted from the one before the first: no farther ahead than this.
+  static constexpr double kMostAhead_s = 0.02;
+  /// Looks for the marks of a frame that follows soon, from the state as it is: several frames can be looked
+  /// at at once. None of a frame that comes later.
+  [[nodiscard]] std::vector<MarkGlance> glance(const FrameView& view, double time_s,
+                                               const std::optional<KeepOut>& spot) const;
+
   /// Poses of the units in view. `all_marks` is the result of a full search of this frame, where one was
-  /// made.
+  /// made; `glances` that of glance(), for what it has: other marks are looked for now.
   std::vector<SheetPose> step(const FrameView& view, double time_s, const std::optional<KeepOut>& spot,
-                              const std::vector<FoundMark>* all_marks);
+                              const std::vector<FoundMark>* all_marks,
+                              std::span<const MarkGlance> glances = {});
 
   /// Place where a mark should be.
   struct MarkPlace {
@@ -69,7 +83,15 @@ class SheetTracker {
   [[nodiscard]] DiscInPicture discAt(const Eigen::Vector2d& p_mm, double diameter_mm) const;
   void poolNoise(std::vector<MarkPair>& pairs, std::span<const double> diameters_mm);
   bool lock(const std::vector<FoundMark>& seen, double time_s);
-  std::vector<SheetPose> measure(const FrameView& view, double time_s, const std::optional<KeepOut>& spot);
+  std::vector<SheetPose> measure(const FrameView& view, double time_s, const std::optional<KeepOut>& spot,
+                                 std::span<const MarkGlance> glances);
+  /// A mark in a part of the picture, near p_mm.
+  [[nodiscard]] std::optional<FoundMark> measured(const GrayImage& part, int unit, std::size_t mark,
+                                                  const Eigen::Vector2d& p_mm, double search_mm) const;
+  /// Whether the spot shines on a mark at p_mm.
+  static bool isCovered(const Eigen::Vector2d& p_mm, double diameter_mm, const std::optional<KeepOut>& spot) {
+    return spot && (p_mm - spot->p_mm).norm() < 0.7 * diameter_mm + spot->radius_mm;
+  }
   /// The first and the last unit that marks are looked for of.
   [[nodiscard]] std::pair<int, int> unitsToLookFor() const;
   /// The marks of one unit in one picture.
@@ -81,7 +103,8 @@ class SheetTracker {
     int in_view{0};  ///< Marks that should be found for certain.
   };
   [[nodiscard]] Sighting lookForMarks(const FrameView& view, int unit, const PlaneMotion& expected,
-                                      double search_mm, const std::optional<KeepOut>& spot) const;
+                                      double search_mm, const std::optional<KeepOut>& spot,
+                                      std::span<const MarkGlance> glances) const;
   void keepUnits(const std::map<int, UnitState>& measured, double time_s);
   [[nodiscard]] int explained(const std::vector<FoundMark>& seen,
                               const std::map<int, PlaneMotion>& poses) const;
@@ -93,7 +116,7 @@ class SheetTracker {
   double speed_mm_s_;  ///< Speed of the web along x, as measured; nominal at first.
   double largest_diameter_mm_{};
   std::map<int, UnitState> units_;
-  std::map<std::pair<int, std::size_t>, MarkLevels> levels_;  ///< Levels by unit and mark, as last seen.
+  std::map<std::pair<int, std::size_t>, MarkLevels> levels_;  ///< Levels by unit and mark, as seen of late.
   double contrast_gray_{80.0};
   double pooled_mm3_{};  ///< Mean of variance times diameter of the marks so far.
   double pooled_{};      ///< Number of marks in pooled_mm3_.

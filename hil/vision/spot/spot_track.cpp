@@ -32,8 +32,6 @@ constexpr int kDarkGray = 8;
 constexpr double kSaturatedShare = 0.02;
 // The spot itself may fill a few per cent of small windows.
 constexpr double kSaturatedWindows = 0.25;
-// What is asked for at once is predicted from the frame before the first: no farther ahead than this.
-constexpr double kMostAhead_s = 0.02;
 constexpr double kLatePeriods = 1.5;
 // Share of the frames in which a fast jump may leave no time for marks.
 constexpr double kMostWithoutRoom = 0.1;
@@ -56,6 +54,7 @@ struct Glance {
   FrameFaults faults;
   bool searched{};
   std::vector<FoundMark> marks;
+  std::vector<SheetTracker::MarkGlance> expected;  ///< Marks where they should be.
 };
 
 /// Measurement of a frame that was read out by windows.
@@ -130,8 +129,8 @@ void placeSpot(FrameMeasurement& out, const SpotFit& fit, const CameraCalibratio
 }
 
 /// Where the spot's light reaches, nothing else can be measured.
-SheetTracker::KeepOut keepOutOf(const FrameMeasurement& out, const SpotFit& fit, double pitch_mm) {
-  return {*out.spot_W_mm, (4.0 * fit.long_sigma_px + 2.0) * pitch_mm};
+SheetTracker::KeepOut keepOutOf(const Eigen::Vector2d& spot_mm, const SpotFit& fit, double pitch_mm) {
+  return {spot_mm, (4.0 * fit.long_sigma_px + 2.0) * pitch_mm};
 }
 
 /// The spot shines on a mark: fit both, or find it in the ink where it does not outshine the board.
@@ -210,7 +209,8 @@ class SpotFollower {
   [[nodiscard]] std::size_t batchSize() const {
     if (!ready()) return 1;
     if (!(options_.frame_period_s > 0.0)) return kBatch;
-    return static_cast<std::size_t>(std::clamp(kMostAhead_s / options_.frame_period_s, 1.0, double{kBatch}));
+    return static_cast<std::size_t>(
+        std::clamp(SheetTracker::kMostAhead_s / options_.frame_period_s, 1.0, double{kBatch}));
   }
 
   /// Windows of the next frame; called once for each of the next batch. None: the whole picture.
@@ -239,6 +239,7 @@ class SpotFollower {
       glances[i] = batch[i].windows.empty()
                        ? glanceAt(batch[i], calibration_, diameters_mm_, shot_, searches(i))
                        : glanceAtWindows(batch[i], calibration_, diameters_mm_, shot_, asked_[i].first_band);
+      lookAtMarks(batch[i], glances[i]);
     });
     // Whole pictures take a camera of windows longer than a period: they are there to find the marks by.
     if (!by_windows_ && !batch.empty() && !batch.front().windows.empty()) {
@@ -246,7 +247,7 @@ class SpotFollower {
       track_.frames.clear();
       track_.frames_lost = 0;
     }
-    // In order, and cheap: the marks are where the frame before says.
+    // In order, and cheap: what the marks say together, each frame by the one before.
     for (std::size_t i = 0; i < batch.size(); ++i) follow(batch[i], glances[i]);
     for (const Glance& glance : glances) {
       if (glance.spot) shot_.add(glance.spot->shot);
@@ -350,20 +351,29 @@ class SpotFollower {
     if (glance.spot) {
       grain_.add(view.parts().front(), *glance.spot, glance.board_gray);
       place(out, *glance.spot, glance);
-      keep_out = keepOutOf(out, *glance.spot, pitch_mm_);
+      keep_out = keepOutOf(*out.spot_W_mm, *glance.spot, pitch_mm_);
     }
     const std::vector<FoundMark>* const marks = glance.searched ? &glance.marks : nullptr;
     const std::optional<SheetTracker> before = glance.spot ? std::nullopt : tracker_;
-    out.sheet = tracker_->step(view, out.mid_s, keep_out, marks);
+    out.sheet = tracker_->step(view, out.mid_s, keep_out, marks, glance.expected);
     if (const auto better = fitWithPrint(view, glance, *tracker_, calibration_, pitch_mm_)) {
       place(out, *better, glance);
       if (before) {
         // A spot that print hid at first has shone into the marks: again, without those that it reaches.
         tracker_.emplace(*before);
-        out.sheet = tracker_->step(view, out.mid_s, keepOutOf(out, *better, pitch_mm_), marks);
+        out.sheet = tracker_->step(view, out.mid_s, keepOutOf(*out.spot_W_mm, *better, pitch_mm_), marks,
+                                   glance.expected);
       }
     }
     track_.frames.push_back(std::move(out));
+  }
+
+  /// Where the marks should be by the batch before.
+  void lookAtMarks(const Frame& frame, Glance& glance) const {
+    std::optional<SheetTracker::KeepOut> keep_out;
+    if (glance.spot)
+      keep_out = keepOutOf(calibration_.planeFromPixel(glance.spot->pixel), *glance.spot, pitch_mm_);
+    glance.expected = tracker_->glance(FrameView(frame), frame.start_s + 0.5 * frame.exposure_s, keep_out);
   }
 
   void place(FrameMeasurement& out, SpotFit fit, const Glance& glance) const {

@@ -136,6 +136,33 @@ TEST_F(KnownMark, WithThoseOfThePictureBeforeIsNoWorseThanASearch) {
   EXPECT_NEAR(by_known / stated, 1.0, 0.3);
 }
 
+TEST_F(KnownMark, WithThoseOfManyPicturesIsBetterThanASearchAndSaysSo) {
+  std::optional<MarkLevels> before;
+  double by_search = 0.0;
+  double by_known = 0.0;
+  double searched_stated = 0.0;
+  double stated = 0.0;
+  for (std::uint64_t seed = 1; seed <= 170; ++seed) {
+    const Vector2d moved = kPlace + 0.0021 * static_cast<double>(seed) * Vector2d(1.0, 0.3);
+    const GrayImage image = picture(moved, seed);
+    const auto searched = seen(image, moved + Vector2d(0.1, 0.1));
+    ASSERT_TRUE(searched) << seed;
+    if (!before) before = searched->levels;
+    if (seed > 20) {
+      const auto known = seen(image, nearly(moved, seed), before);
+      ASSERT_TRUE(known) << seed;
+      by_search += (searched->p_mm - moved).squaredNorm();
+      by_known += (known->p_mm - moved).squaredNorm();
+      searched_stated += 2.0 * searched->sigma_mm * searched->sigma_mm;
+      stated += 2.0 * known->sigma_mm * known->sigma_mm;
+    }
+    before->average(searched->levels, 16.0);
+  }
+  EXPECT_LT(by_known, 0.95 * by_search);
+  EXPECT_LT(stated, 0.95 * searched_stated);
+  EXPECT_NEAR(by_known / stated, 1.0, 0.3);
+}
+
 TEST_F(KnownMark, IsSearchedForWhereItIsNotWhereItShouldBe) {
   const auto before = seen(picture(kPlace, 1), kPlace);
   ASSERT_TRUE(before);
