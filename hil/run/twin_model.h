@@ -36,7 +36,7 @@ class TwinModel : public LockstepModel {
 /// The twin, and what its sensors did while it was led by recorded pins. `twin` must outlive it.
 class WitnessedTwin final : public TwinModel {
  public:
-  explicit WitnessedTwin(twin::Twin& twin, camera::ExposureFeed* feed) : TwinModel(twin, feed) {}
+  explicit WitnessedTwin(twin::Twin& twin, camera::ExposureFeed* feed = nullptr) : TwinModel(twin, feed) {}
   void advance(Tick until, std::span<const PinEvent> events) override {
     const std::vector<SensorEdge> edges = predictSensors(until);
     due_.append(edges);

@@ -56,10 +56,6 @@ static inline uint8_t kb_hal_rx_errors(void) {
 
 static inline void kb_hal_feed_watchdog(void) { wdt_reset(); }
 
-/* Until the next interrupt, a tick later at most: what comes between the main loop's last look and this waits
- * no longer than that. */
-static inline void kb_hal_sleep(void) { __asm__ volatile("sleep" ::: "memory"); }
-
 static inline bool kb_hal_tx_ready(void) { return (UCSR0A & _BV(UDRE0)) != 0; }
 static inline void kb_hal_tx(uint8_t byte) { UDR0 = byte; }
 

@@ -110,10 +110,8 @@ int main(void) {
 
   EIFR = _BV(INTF2) | _BV(INTF3);
   EIMSK = _BV(INT2) | _BV(INT3);
-  SMCR = _BV(SE); /* Idle: timers, UART and interrupts go on. */
   sei();
   for (;;) {
     kb_controller_poll();
-    kb_hal_sleep();
   }
 }
