@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -104,9 +103,7 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
   const std::unique_ptr<judge::SpotWatch> spot_watch =
       judge::SpotWatch::of(test_case, machine, info.rate, options.jobs);
   run::LockstepOptions lockstep;
-  if (spot_watch) {
-    lockstep.heard = [&](Tick until, std::span<const PinEvent> events) { spot_watch->heard(until, events); };
-  }
+  lockstep.heard = judge::heardBy(spot_watch.get());
   lockstep.time_limit_s = scenario.time_limit_s;
   const bool provoked = scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
   run::Provocation provocation(scenario.provoke, info.rate, scenario.seed);

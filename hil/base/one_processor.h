@@ -29,7 +29,7 @@ class OneProcessor {
   pid_t other_;
   pid_t thread_;
   cpu_set_t allowed_{};        ///< Processors that this thread was allowed.
-  cpu_set_t allowed_other_{};  ///< Those that the process was.
+  cpu_set_t allowed_other_{};  ///< Processors that the process was allowed.
   unsigned turns_{};
 };
 

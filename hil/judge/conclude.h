@@ -29,7 +29,7 @@ struct Conclusion {
       firmware_version;  ///< As the image says of itself; empty if it is not the reference controller's.
   const twin::SampledMachine* sampled{};  ///< The machine that ran; not null.
   run::ModelMachine* machine{};  ///< After its run: cameras, film, and what the model alone knows; not null.
-  SpotWatch* spot_watch{};       ///< Of that machine, during its run; may be null.
+  SpotWatch* spot_watch{};       ///< Looked at that machine during its run; may be null.
   std::string gcode;             ///< Written to the results folder unless empty.
   controller::ControllerReport words;
   std::filesystem::path spot_frames;  ///< Recording of a real spot camera; empty: none.

@@ -50,7 +50,7 @@ SpotWatch::SpotWatch(const scenario::Case& test_case, std::unique_ptr<camera::Fr
     : test_case_(test_case),
       frames_(std::move(frames)),
       calibration_(std::move(calibration)),
-      // Of later ones it is not known yet where the beam was.
+      // Where the beam was later is not known yet.
       wanted_(gate, rate, recordMargin_s(test_case.machine.spot_camera),
               test_case.machine.spot_camera.exposure_s + evidence::CountedSteps::kKnownAfter_s),
       steps_(stepsFrom(test_case, rate)),
@@ -85,6 +85,11 @@ vision::SpotTrack SpotWatch::finished() {
   thread_.join();
   if (failure_) std::rethrow_exception(failure_);
   return std::move(track_);
+}
+
+run::Hearing heardBy(SpotWatch* watch) {
+  if (watch == nullptr) return {};
+  return [watch](Tick until, std::span<const PinEvent> events) { watch->heard(until, events); };
 }
 
 }  // namespace kerfbench::judge

@@ -10,6 +10,7 @@
 #include "hil/camera/machine_cameras.h"
 #include "hil/judge/beam_aim.h"
 #include "hil/judge/wanted_span.h"
+#include "hil/run/lockstep.h"
 #include "hil/scenario/case.h"
 #include "hil/vision/image/camera_calibration.h"
 #include "hil/vision/spot/spot_track.h"
@@ -57,5 +58,8 @@ class SpotWatch {
   std::exception_ptr failure_;
   std::thread thread_;
 };
+
+/// Lets a watch hear a run; nobody if it is null. It must outlive the run.
+run::Hearing heardBy(SpotWatch* watch);
 
 }  // namespace kerfbench::judge

@@ -74,9 +74,7 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   const std::unique_ptr<judge::SpotWatch> spot_watch =
       judge::SpotWatch::of(test_case, machine, recorded.rate, options.jobs);
   run::LockstepOptions lockstep;
-  if (spot_watch) {
-    lockstep.heard = [&](Tick until, std::span<const PinEvent> events) { spot_watch->heard(until, events); };
-  }
+  lockstep.heard = judge::heardBy(spot_watch.get());
   lockstep.time_limit_s = test_case.scenario.time_limit_s;
   run::RecordedRun run = machine.run(*source, nullptr, lockstep, base::progressOn(console));
   for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})

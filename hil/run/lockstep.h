@@ -15,14 +15,16 @@
 
 namespace kerfbench::run {
 
+/// Hears the controller's events up to `until`, by tick.
+using Hearing = std::function<void(Tick until, std::span<const PinEvent> events)>;
+
 struct LockstepOptions {
   /// The twin predicts its sensor edges this far ahead; at a belt acceleration of 2 m/s² that misplaces an
   /// edge by 0.25 um at most.
   double quantum_s{0.5e-3};
   double time_limit_s{60.0};
   Provocation* provocation{};  ///< May be null. If not, a dialog that never ends is no problem.
-  /// Is told of each quantum before the model makes it; `events` are the controller's up to `until`, by tick.
-  std::function<void(Tick until, std::span<const PinEvent> events)> heard{};
+  Hearing heard{};             ///< Is told of each quantum before the model makes it; may be empty.
   double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
 };
 

@@ -37,8 +37,7 @@ class LabelRun {
     const auto watch = judge::SpotWatch::of(case_, machine, run_.recording.rate, jobs);
     EXPECT_EQ(watch != nullptr, jobs > 1);
     run::LockstepOptions lockstep;
-    if (watch)
-      lockstep.heard = [&](Tick until, std::span<const PinEvent> events) { watch->heard(until, events); };
+    lockstep.heard = judge::heardBy(watch.get());
     machine.run(*source::openRecording(run_.recording, "label"), nullptr, lockstep, {});
     base::Stopwatch stopwatch;
     report::RunReport report;

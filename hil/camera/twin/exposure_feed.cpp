@@ -8,7 +8,7 @@
 namespace kerfbench::camera {
 namespace {
 
-// To be woken for each costs more than to wait for some.
+// Waiting for some costs less than being woken for each.
 constexpr std::size_t kAFew = 16;
 
 }  // namespace

@@ -23,8 +23,8 @@ class ExposureFeed {
 
   /// Exposures that follow, in order of sequence. @throws std::invalid_argument if they do not.
   void add(std::vector<twin::Exposure> exposures);
-  /// Those that begin in [from_s, to_s] may be taken; those before from_s are dropped, those after to_s wait
-  /// to be wanted. Neither time may go back. Waits while too many that may be taken are not.
+  /// Exposures that begin in [from_s, to_s] may be taken; those before from_s are dropped, those after to_s
+  /// wait to be wanted. Neither time may go back. Waits while too many that may be taken are not.
   void want(double from_s, double to_s);
   /// No other will be added or wanted.
   void end();

@@ -103,7 +103,7 @@ class DiscSearch {
       const double step_px = (look.centroid - centre).norm();
       if (first && start.known && !isAsKnown(look, levels, step_px)) return std::nullopt;
       centre = look.centroid;
-      // Those of many pictures have less noise than those of this one.
+      // Levels of many pictures have less noise than those of this one.
       if (!(levels.pictures > 1.0)) levels = look.levels;
       if (first ? start.known && step_px < kNearPx : step_px < kSettledPx) break;
     }

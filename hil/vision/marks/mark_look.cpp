@@ -249,7 +249,7 @@ class MarkSums {
   const DiscPlace& disc_;
   const MarkLevels& levels_;
   bool check_edge_;
-  bool levels_known_;  ///< By several pictures: half of the rows tell whether they still hold.
+  bool levels_known_;  ///< Several pictures gave them: half of the rows tell whether they still hold.
   float gray_per_level_;
   double contrast_;
   double radius_px_;

@@ -13,7 +13,7 @@ RunReport reportOf(const inspect::testing::SyntheticRun& run);
 /// A run with a fault in most places, to show every part of the page.
 inspect::testing::SyntheticRun badRun();
 
-// Its files, as written.
+// Files of a report, as written.
 inline std::string jsonOf(const RunReport& report) { return verdictJson(report, digestsOf(report)); }
 inline std::string junitOf(const RunReport& report) { return junitXml(report, digestsOf(report)); }
 inline std::string htmlOf(const RunReport& report) { return htmlReport(report, digestsOf(report)); }
