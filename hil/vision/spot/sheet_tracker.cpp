@@ -218,9 +218,10 @@ SheetTracker::Sighting SheetTracker::lookForMarks(const FrameView& view, int uni
     if (!covered && part != nullptr) {
       const auto glance =
           std::ranges::find_if(glances, [&](const MarkGlance& g) { return g.unit == unit && g.mark == i; });
-      // Where a glance finds nothing it may have looked too far off.
       if (glance != glances.end()) found = glance->found;
-      if (!found) found = measured(*part, unit, i, p_mm, search_mm);
+      // A glance may have looked too far off, or for a unit that has got another number since.
+      if (!found || (found->p_mm - p_mm).norm() > search_mm)
+        found = measured(*part, unit, i, p_mm, search_mm);
     }
     if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
     seen.pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
