@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "hil/base/parallel.h"
+
 namespace kerfbench::vision {
 namespace {
 
@@ -29,13 +31,17 @@ constexpr Eigen::Index kFlankLevels = 3;
 constexpr int kFlankRounds = 8;
 constexpr int kFlankHalvings = 5;
 constexpr double kLeastMove = 1e-3;
+constexpr int kFlanksPerThread = 8;  ///< Fewer are computed before a thread has started.
 constexpr double kFlankStep = 0.05;  ///< Step of differences, in standard deviations.
 
 /// Views by departures from what is known before, in its standard deviations.
 class FlankProblem {
  public:
-  FlankProblem(const std::vector<SeenFlank>& flanks, const FlankKnown& known)
-      : flanks_(flanks), known_(known), blur_sigma_px_(std::hypot(known.blur.sigma_px, kBlurShape_px)) {
+  FlankProblem(const std::vector<SeenFlank>& flanks, const FlankKnown& known, int threads)
+      : flanks_(flanks),
+        known_(known),
+        threads_(std::min(threads, static_cast<int>(flanks.size()) / kFlanksPerThread)),
+        blur_sigma_px_(std::hypot(known.blur.sigma_px, kBlurShape_px)) {
     const auto open = std::ranges::count_if(flanks, [](const SeenFlank& f) { return isOpen(f.query); });
     const auto all = static_cast<std::ptrdiff_t>(flanks.size());
     open_sigma_mm_ = kHalfWidthModel_mm * std::sqrt(static_cast<double>(open));
@@ -57,8 +63,9 @@ class FlankProblem {
     const FlankView view = viewAt(x);
     const auto n = static_cast<Eigen::Index>(flanks_.size());
     VectorXd misses(kFlankLevels * n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const SeenFlank& flank = flanks_[static_cast<std::size_t>(i)];
+    base::forEachIndex(flanks_.size(), threads_, [&](std::size_t index) {
+      const SeenFlank& flank = flanks_[index];
+      const auto i = static_cast<Eigen::Index>(index);
       FlankQuery query = flank.query;
       query.growth = view.growth;
       query.beam_radius_mm = view.beam_radius_mm;
@@ -69,13 +76,14 @@ class FlankProblem {
       misses.segment<kFlankLevels>(kFlankLevels * i) << fall.low_mm - flank.low_half_mm,
           fall.high_mm - flank.high_half_mm, fall.half_mm - flank.query.half_width_mm;
       misses.segment<kFlankLevels>(kFlankLevels * i) /= sigma_mm;
-    }
+    });
     return misses;
   }
 
  private:
   const std::vector<SeenFlank>& flanks_;
   const FlankKnown& known_;
+  int threads_;
   double blur_sigma_px_;
   double open_sigma_mm_{};
   double shallow_share_{};  ///< Root of how many are shallow.
@@ -100,8 +108,8 @@ double descend(const FlankProblem& problem, const Vector& step, Vector& x, Vecto
 
 }  // namespace
 
-FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& known) {
-  const FlankProblem problem(flanks, known);
+FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& known, int threads) {
+  const FlankProblem problem(flanks, known, threads);
   Vector x = Vector::Zero();
   Matrix normal = Matrix::Identity();
   VectorXd misses = problem.missesAt(x);

@@ -61,6 +61,7 @@ struct FlankBelief {
 
 /// Least squares over law, radius and blur, which all kerfs of a sheet have in common: how
 /// steeply their flanks fall, against what is known before. Without flanks: what is known before.
-FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& known);
+/// Many flanks are computed on up to `threads` threads, with the same result.
+FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& known, int threads = 1);
 
 }  // namespace kerfbench::vision

@@ -2,6 +2,7 @@
 #include "hil/vision/kerf/kerf_flank.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -41,13 +42,12 @@ constexpr double kTightModel_mm = 0.001;
 constexpr double kWidestMm = 0.6;
 constexpr double kBendMm = 0.3;  // Distance of the readings by which the bend of a kerf is measured.
 
-/// Samples of an even and some odd functions over y >= 0 at a fixed step.
+/// Samples of functions over y >= 0 at a fixed step.
 struct Shapes {
   double step_mm{};
   std::vector<double> light;  ///< Without blur.
+  std::vector<double> left;   ///< Light of the board that is left, without blur.
   std::vector<double> even;   ///< Blurred profile.
-  std::vector<double>
-      burnt;  ///< Blurred light of the board that is left, on the left; its negative on the right.
 
   [[nodiscard]] static double at(const std::vector<double>& f, double index) {
     const double clamped = std::clamp(index, 0.0, static_cast<double>(f.size()) - 1.001);
@@ -63,24 +63,21 @@ struct Shapes {
 /// Convolves a function given on y >= 0, mirrored with a sign to y < 0.
 std::vector<double> blurred(const std::vector<double>& f, double sign, double sigma_steps) {
   const int reach = static_cast<int>(std::ceil(4.0 * sigma_steps));
-  std::vector<double> kernel;
-  double sum = 0.0;
-  for (int i = -reach; i <= reach; ++i) {
-    kernel.push_back(std::exp(-0.5 * i * i / (sigma_steps * sigma_steps)));
-    sum += kernel.back();
-  }
   const int n = static_cast<int>(f.size());
-  std::vector<double> out(f.size());
-  for (int i = 0; i < n; ++i) {
-    double v = 0.0;
-    for (int k = -reach; k <= reach; ++k) {
-      const int at = i + k;
-      const double value = f[static_cast<std::size_t>(std::min(std::abs(at), n - 1))];
-      v += kernel[static_cast<std::size_t>(k + reach)] * (at < 0 ? sign : 1.0) *
-           (at == 0 && sign < 0.0 ? 0.0 : value);
-    }
-    out[static_cast<std::size_t>(i)] = v / sum;
+  std::vector<double> both(static_cast<std::size_t>(n + 2 * reach));
+  for (int at = -reach; at < n + reach; ++at) {
+    const double value = f[static_cast<std::size_t>(std::min(std::abs(at), n - 1))];
+    both[static_cast<std::size_t>(at + reach)] = at == 0 && sign < 0.0 ? 0.0 : (at < 0 ? sign : 1.0) * value;
   }
+  std::vector<double> out(f.size());
+  double sum = 0.0;
+  for (int k = -reach; k <= reach; ++k) {
+    const double weight = std::exp(-0.5 * k * k / (sigma_steps * sigma_steps));
+    sum += weight;
+    const double* const from = both.data() + k + reach;
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += weight * from[i];
+  }
+  for (double& v : out) v /= sum;
   return out;
 }
 
@@ -96,29 +93,47 @@ double middleSigma_mm(const FlankQuery& q) {
 }
 
 /// Light that the pixels in the middle of a kerf show, which the lens has mixed with that of its flanks.
-double seenTop(const FlankQuery& q, double peak, const LightLaw& law) {
-  const double sigma_mm = middleSigma_mm(q);
-  double sum = 0.0;
-  double weight = 0.0;
-  for (int i = -kFlankTopSamples; i <= kFlankTopSamples; ++i) {
-    const double z = 3.5 * i / kFlankTopSamples;
-    const double w = std::exp(-0.5 * z * z);
-    const double share = std::min(1.0, shareAt(q, peak, std::abs(z) * sigma_mm));
-    sum += w * q.open_gray * law.lightAt(share);
-    weight += w;
+class SeenTop {
+ public:
+  explicit SeenTop(const FlankQuery& q) : open_gray_(q.open_gray) {
+    const double sigma_mm = middleSigma_mm(q);
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+      const double z = kReach * static_cast<double>(i) / kFlankTopSamples;
+      weights_[i] = std::exp(-0.5 * z * z);
+      shares_[i] = shareAt(q, 1.0, z * sigma_mm);
+    }
   }
-  return sum / weight;
-}
+  [[nodiscard]] double at(double peak, const LightLaw& law) const {
+    std::array<double, kFlankTopSamples + 1> light{};
+    for (std::size_t i = 0; i < light.size(); ++i)
+      light[i] = open_gray_ * law.lightAt(std::min(1.0, peak * shares_[i]));
+    double sum = 0.0;
+    double weight = 0.0;
+    for (int side = -kFlankTopSamples; side <= kFlankTopSamples; ++side) {
+      const auto i = static_cast<std::size_t>(std::abs(side));
+      sum += weights_[i] * light[i];
+      weight += weights_[i];
+    }
+    return sum / weight;
+  }
+
+ private:
+  static constexpr double kReach = 3.5;  ///< Standard deviations of the blur.
+  double open_gray_;
+  std::array<double, kFlankTopSamples + 1> weights_{};
+  std::array<double, kFlankTopSamples + 1> shares_{};  ///< Of the fluence, over that at the peak.
+};
 
 double peakShare(const FlankQuery& q, const LightLaw& law) {
   const auto shareOf = [&](double gray) { return law.shareAt(std::min(gray, q.open_gray) / q.open_gray); };
   if (!isOpen(q)) {
     double low = std::max(0.0, shareOf(q.top_gray));
     if (!(q.beam_radius_mm > 0.0)) return low;
+    const SeenTop seen(q);
     double high = 1.0;
     for (int i = 0; i < 20; ++i) {
       const double middle = 0.5 * (low + high);
-      (seenTop(q, middle, law) < q.top_gray ? low : high) = middle;
+      (seen.at(middle, law) < q.top_gray ? low : high) = middle;
     }
     return low;
   }
@@ -127,25 +142,23 @@ double peakShare(const FlankQuery& q, const LightLaw& law) {
   return std::max(1.0, shareOf(0.5 * (q.top_gray + q.board_gray)) * std::exp(2.0 * a * a));
 }
 
-Shapes shapesOf(const FlankQuery& q) {
+double sigmaSteps(const FlankQuery& q) { return std::hypot(q.lens_px, kSplinePx) * kGridPerPx; }
+
+LightLaw lawOf(const FlankQuery& q) { return {std::clamp(q.board_gray / q.open_gray, 1e-3, 0.9), q.growth}; }
+
+Shapes shapesOf(const FlankQuery& q, double peak) {
   Shapes s;
   s.step_mm = q.pixel_mm / kGridPerPx;
   const auto n = static_cast<std::size_t>((q.half_width_mm + kReachPx * q.pixel_mm) / s.step_mm) + 2;
-  const double transmission = std::clamp(q.board_gray / q.open_gray, 1e-3, 0.9);
-  const LightLaw law(transmission, q.growth);
-  const double peak = peakShare(q, law);
-  std::vector<double> light(n);
-  std::vector<double> left(n);
+  const LightLaw law = lawOf(q);
+  s.light.resize(n);
+  s.left.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const double y_mm = static_cast<double>(i) * s.step_mm;
-    const double share = shareAt(q, peak, y_mm);
-    light[i] = q.open_gray * law.lightAt(share);
-    left[i] = share >= 1.0 ? 0.0 : light[i];
+    const double share = shareAt(q, peak, static_cast<double>(i) * s.step_mm);
+    s.light[i] = q.open_gray * law.lightAt(share);
+    s.left[i] = share >= 1.0 ? 0.0 : s.light[i];
   }
-  s.light = light;
-  const double sigma_steps = std::hypot(q.lens_px, kSplinePx) * kGridPerPx;
-  s.even = blurred(light, 1.0, sigma_steps);
-  s.burnt = blurred(left, -1.0, sigma_steps);
+  s.even = blurred(s.light, 1.0, sigmaSteps(q));
   return s;
 }
 
@@ -168,8 +181,11 @@ FlankFall fallOf(const FlankQuery& seen) {
     return query.board_gray + share * (query.top_gray - query.board_gray);
   };
   FlankFall fall{seen.half_width_mm, seen.half_width_mm, seen.half_width_mm, seen.half_width_mm};
+  double peak = 0.0;
   for (int i = 0; i < 4; ++i) {
-    const Shapes s = shapesOf(query);
+    // How deep a shallow one is does not depend on its width.
+    if (i == 0 || isOpen(query)) peak = peakShare(query, lawOf(query));
+    const Shapes s = shapesOf(query, peak);
     fall.light_mm = halfWidthAt(s.light, 0.5 * (s.light.front() + query.board_gray), s.step_mm);
     fall.low_mm = halfWidthAt(s.even, levelAt(0.25), s.step_mm);
     fall.high_mm = halfWidthAt(s.even, levelAt(0.75), s.step_mm);
@@ -187,7 +203,7 @@ FlankModel::FlankModel(const FlankQuery& query) {
   if (!sane) return;
   FlankQuery scorched = query;
   scorched.lens_px *= kScorchBlur;
-  const Shapes s = shapesOf(scorched);
+  const Shapes s = shapesOf(scorched, peakShare(scorched, lawOf(scorched)));
   // Where the blurred profile is half way down.
   const double level = 0.5 * (s.even.front() + query.board_gray);
   std::size_t flank = 1;
@@ -196,7 +212,8 @@ FlankModel::FlankModel(const FlankQuery& query) {
   const double slope = s.evenSlope(f_mm);
   if (!(slope < 0.0)) return;
   // Scorch that takes a share k more on the left than on the right: half of that each way.
-  const auto asymmetry = [&](double y_mm) { return -0.5 * Shapes::at(s.burnt, y_mm / s.step_mm); };
+  const std::vector<double> burnt = blurred(s.left, -1.0, sigmaSteps(scorched));
+  const auto asymmetry = [&](double y_mm) { return -0.5 * Shapes::at(burnt, y_mm / s.step_mm); };
   const double shift_mm = -asymmetry(f_mm) / slope;
   const double beside_mm = f_mm + kBesidePx * query.pixel_mm;
   const double odd_gray = 2.0 * (asymmetry(beside_mm) + shift_mm * s.evenSlope(beside_mm));

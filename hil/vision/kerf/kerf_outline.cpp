@@ -75,14 +75,17 @@ double KerfOutline::fallMm(const std::vector<double>& gray, double first_mm) con
   const int reach = static_cast<int>(std::ceil(3.5 * sigma));
   const double level = look_.board_gray + 0.5 * look_.brightness * (look_.open_gray - look_.board_gray);
   const int n = static_cast<int>(gray.size());
+  std::vector<double> kernel;
+  double weight = 0.0;
+  for (int k = -reach; k <= reach; ++k) {
+    kernel.push_back(std::exp(-0.5 * k * k / (sigma * sigma)));
+    weight += kernel.back();
+  }
   const auto blurredAt = [&](int i) {
     double sum = 0.0;
-    double weight = 0.0;
-    for (int k = -reach; k <= reach; ++k) {
-      const double w = std::exp(-0.5 * k * k / (sigma * sigma));
-      sum += w * gray[static_cast<std::size_t>(std::clamp(i + k, 0, n - 1))];
-      weight += w;
-    }
+    for (int k = -reach; k <= reach; ++k)
+      sum += kernel[static_cast<std::size_t>(k + reach)] *
+             gray[static_cast<std::size_t>(std::clamp(i + k, 0, n - 1))];
     return sum / weight;
   };
   // From outside inwards.

@@ -2,7 +2,9 @@
 #include "hil/vision/kerf/kerf_pictures.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -32,6 +34,18 @@ std::vector<double> diametersOf(const PrintLayout& print) {
   std::sort(diameters_mm.begin(), diameters_mm.end());
   diameters_mm.erase(std::unique(diameters_mm.begin(), diameters_mm.end()), diameters_mm.end());
   return diameters_mm;
+}
+
+/// 255 where a sum is above a level, otherwise 0; cv::compare takes four times as long.
+void markAbove(const cv::Mat& sums, double level, cv::Mat mask) {
+  const auto most = static_cast<int>(std::numeric_limits<std::uint16_t>::max());
+  const auto limit = static_cast<std::uint16_t>(std::clamp(level, 0.0, static_cast<double>(most)));
+  const int columns = sums.cols;
+  for (int row = 0; row < sums.rows; ++row) {
+    const std::uint16_t* const __restrict from = sums.ptr<std::uint16_t>(row);
+    std::uint8_t* const __restrict to = mask.ptr<std::uint8_t>(row);
+    for (int column = 0; column < columns; ++column) to[column] = from[column] > limit ? 255 : 0;
+  }
 }
 
 /// Scatter of means over the board, from cell to cell: grain, and what is printed in patterns. Whatever
@@ -68,6 +82,7 @@ class BoardScatter {
  private:
   static double scatterIn(const cv::Mat& sums, const cv::Rect& cell) {
     std::vector<int> values;
+    values.reserve(static_cast<std::size_t>(cell.area()) / (kSampleStride * kSampleStride) + 1);
     for (int y = cell.y; y < cell.y + cell.height; y += kSampleStride)
       for (int x = cell.x; x < cell.x + cell.width; x += kSampleStride)
         values.push_back(sums.at<std::uint16_t>(y, x));
@@ -134,8 +149,7 @@ GrayImage brightPlaces(const TileView& view, double open_gray, double least_shar
       const double open = open_gray * view.light.at(middle);
       const double above = std::max({kNoiseSigmas * view.noise_gray, kGrainSigmas * scatter.at(row, column),
                                      least_share * (open - board)});
-      cv::Mat part = mask(cell);
-      cv::compare(sums(cell), kBox * (board + above), part, cv::CMP_GT);
+      markAbove(sums(cell), kBox * (board + above), mask(cell));
     }
   }
   return places;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -180,13 +181,15 @@ FlankBelief UnitScan::beliefOf(const std::vector<EntityKerf>& kerfs, const std::
         meanFlank(plan, measured[e].readings, {options_, calibration_.pitchMm(), blur_}, kerfs[e]);
     if (flank.query.half_width_mm > 0.0) flanks.push_back(flank);
   }
-  return vision::beliefOf(flanks, {.growth = options_.growth,
-                                   .law_sigma = options_.law_sigma,
-                                   .begin_sigma = options_.begin_sigma,
-                                   .beam_radius_mm = options_.beam_radius_mm,
-                                   .radius_share_sigma = options_.beam_radius_sigma,
-                                   .blur = blur_,
-                                   .open_sigma = options_.open_gray_sigma});
+  return vision::beliefOf(flanks,
+                          {.growth = options_.growth,
+                           .law_sigma = options_.law_sigma,
+                           .begin_sigma = options_.begin_sigma,
+                           .beam_radius_mm = options_.beam_radius_mm,
+                           .radius_share_sigma = options_.beam_radius_sigma,
+                           .blur = blur_,
+                           .open_sigma = options_.open_gray_sigma},
+                          options_.threads);
 }
 
 void UnitScan::correct(const EntityPlan& plan, const FlankBelief& belief, EntityKerf& kerf,
@@ -316,27 +319,31 @@ void UnitScan::joints(const std::vector<EntityKerf>& kerfs, const FlankBelief& b
     corners[i].deviation_sigma_mm = std::hypot(corners[i].deviation_sigma_mm,
                                                depthSigma_mm(entity, planned.in.p_S_mm).norm(), by_table_mm);
   });
-  const auto addEnd = [&](LineEnd measured, const EntityEnd& end) {
-    const double by_depth_mm =
-        depthSigma_mm(plan_.entities[end.plan], end.p_S_mm).dot(end.outward.cwiseAbs());
-    const double by_scale_mm = scaleSigma_mm(end.p_S_mm).dot(end.outward);
-    measured.sigma_mm =
-        std::hypot(measured.sigma_mm, by_depth_mm, std::hypot(options_.table_sigma_mm, by_scale_mm));
-    scan.ends.push_back(measured);
-  };
   scan.corners.insert(scan.corners.end(), corners.begin(), corners.end());
-  for (const EntityEnd& end : plan_.free_ends) {
-    if (plan_.entities[end.plan].process == dieline::Process::kPerforation)
-      continue;  // Perforations may end in a bridge.
-    LineEnd measured = measureEnd(sceneOf(plan_.entities[end.plan], kerfs, belief), end);
-    lengthen(end.p_S_mm, end.outward, measured);
-    addEnd(measured, end);
-  }
-  for (const EntityEnd& start : plan_.closures) {
-    if (plan_.entities[start.plan].process == dieline::Process::kPerforation) continue;
-    // What start and end have in common does not part them.
-    scan.ends.push_back(measureClosure(sceneOf(plan_.entities[start.plan], kerfs, belief), start));
-  }
+  const auto areCut = [&](const EntityEnd& end) {  // Perforations may end in a bridge.
+    return plan_.entities[end.plan].process != dieline::Process::kPerforation;
+  };
+  std::vector<EntityEnd> ends;
+  std::ranges::copy_if(plan_.free_ends, std::back_inserter(ends), areCut);
+  const std::size_t free = ends.size();
+  std::ranges::copy_if(plan_.closures, std::back_inserter(ends), areCut);
+  std::vector<LineEnd> measured(ends.size());
+  base::forEachIndex(ends.size(), options_.threads, [&](std::size_t i) {
+    const JointScene scene = sceneOf(plan_.entities[ends[i].plan], kerfs, belief);
+    // What start and end of a closed line have in common does not part them.
+    measured[i] = i < free ? freeEnd(scene, ends[i]) : measureClosure(scene, ends[i]);
+  });
+  scan.ends.insert(scan.ends.end(), measured.begin(), measured.end());
+}
+
+LineEnd UnitScan::freeEnd(const JointScene& scene, const EntityEnd& end) const {
+  LineEnd measured = measureEnd(scene, end);
+  lengthen(end.p_S_mm, end.outward, measured);
+  const double by_depth_mm = depthSigma_mm(plan_.entities[end.plan], end.p_S_mm).dot(end.outward.cwiseAbs());
+  const double by_scale_mm = scaleSigma_mm(end.p_S_mm).dot(end.outward);
+  measured.sigma_mm =
+      std::hypot(measured.sigma_mm, by_depth_mm, std::hypot(options_.table_sigma_mm, by_scale_mm));
+  return measured;
 }
 
 void UnitScan::strays(KerfScan& scan) const {

@@ -99,6 +99,7 @@ class UnitScan {
   [[nodiscard]] WindowOnPixels windowOnPixels(const EntityPlan& plan, const Station& station,
                                               const TileView* view) const;
   void joints(const std::vector<EntityKerf>& kerfs, const FlankBelief& belief, KerfScan& scan) const;
+  [[nodiscard]] LineEnd freeEnd(const JointScene& scene, const EntityEnd& end) const;
   void patches(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
 
   const CameraCalibration& calibration_;  ///< Over the plane of the marks.

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <vector>
+
+#include "hil/base/parallel.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -184,42 +187,59 @@ bool placeContradicts(const StationInView& first, const StationInView& second, d
   return !isReadOtherwise(first, second, expected_mm);
 }
 
-}  // namespace
-
-TileContradictions compareTiles(const KerfPlan& plan, const OverlapScene& scene, const SightDepths& depths) {
+TileContradictions compareAlong(const EntityPlan& entity, const OverlapScene& scene,
+                                const SightDepths& depths) {
   TileContradictions out;
-  if (scene.tiles.size() < 2) return out;
   const double border_px = caliperBorderPx(scene.options.reach_mm, scene.calibration.pitchMm());
-  for (const EntityPlan& entity : plan.entities) {
-    const SightDepth& depth = depths.at(static_cast<std::size_t>(formOf(entity.process)));
-    for (std::size_t s = 0; s < entity.stations.size(); ++s) {
-      const Station& station = entity.stations[s];
-      if (station.near_corner || !entity.hidden(station).empty()) continue;
-      const Vector2d p_T_mm = scene.X_TS * station.p_S_mm;
-      const std::vector<const TileView*> seeing = scene.index.seeing(p_T_mm, border_px);
-      if (seeing.size() < 2) continue;
-      const Vector2d normal = scene.X_TS.rotation() * Vector2d(-station.tangent.y(), station.tangent.x());
-      const auto slopeIn = [&](const TileView& view) {
-        return scene.calibration.sightSlope(p_T_mm - view.tile.p_TV_mm).dot(normal);
-      };
-      const StationInView used(scene, entity, s, *seeing.front());
-      for (std::size_t i = 1; i < seeing.size(); ++i) {
-        const StationInView other(scene, entity, s, *seeing[i]);
-        const double slope = slopeIn(*seeing[i]) - slopeIn(*seeing.front());
-        ++out.compared;
-        const bool light = lightContradicts(used, other, scene.options);
-        if (!light && !placeContradicts(used, other, slope, depth, scene.options)) continue;
-        if (out.count() == 0) {
-          out.entity = entity.entity;
-          out.p_S_mm = station.p_S_mm;
-          out.tile = static_cast<std::size_t>(seeing.front() - scene.tiles.data());
-          out.other = static_cast<std::size_t>(seeing[i] - scene.tiles.data());
-        }
-        ++(light ? out.light : out.place);
+  const SightDepth& depth = depths.at(static_cast<std::size_t>(formOf(entity.process)));
+  for (std::size_t s = 0; s < entity.stations.size(); ++s) {
+    const Station& station = entity.stations[s];
+    if (station.near_corner || !entity.hidden(station).empty()) continue;
+    const Vector2d p_T_mm = scene.X_TS * station.p_S_mm;
+    const std::vector<const TileView*> seeing = scene.index.seeing(p_T_mm, border_px);
+    if (seeing.size() < 2) continue;
+    const Vector2d normal = scene.X_TS.rotation() * Vector2d(-station.tangent.y(), station.tangent.x());
+    const auto slopeIn = [&](const TileView& view) {
+      return scene.calibration.sightSlope(p_T_mm - view.tile.p_TV_mm).dot(normal);
+    };
+    const StationInView used(scene, entity, s, *seeing.front());
+    for (std::size_t i = 1; i < seeing.size(); ++i) {
+      const StationInView other(scene, entity, s, *seeing[i]);
+      const double slope = slopeIn(*seeing[i]) - slopeIn(*seeing.front());
+      ++out.compared;
+      const bool light = lightContradicts(used, other, scene.options);
+      if (!light && !placeContradicts(used, other, slope, depth, scene.options)) continue;
+      if (out.count() == 0) {
+        out.entity = entity.entity;
+        out.p_S_mm = station.p_S_mm;
+        out.tile = static_cast<std::size_t>(seeing.front() - scene.tiles.data());
+        out.other = static_cast<std::size_t>(seeing[i] - scene.tiles.data());
       }
+      ++(light ? out.light : out.place);
     }
   }
   return out;
+}
+
+}  // namespace
+
+TileContradictions compareTiles(const KerfPlan& plan, const OverlapScene& scene, const SightDepths& depths) {
+  TileContradictions all;
+  if (scene.tiles.size() < 2) return all;
+  std::vector<TileContradictions> along(plan.entities.size());
+  base::forEachIndex(along.size(), scene.options.threads,
+                     [&](std::size_t e) { along[e] = compareAlong(plan.entities[e], scene, depths); });
+  for (TileContradictions& entity : along) {
+    entity.compared += all.compared;
+    if (all.count() == 0) {
+      all = entity;
+      continue;
+    }
+    all.compared = entity.compared;
+    all.light += entity.light;
+    all.place += entity.place;
+  }
+  return all;
 }
 
 }  // namespace kerfbench::vision

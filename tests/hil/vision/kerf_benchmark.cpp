@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sheet of 400 x 300 mm at 40 um to the pixel, on one core: the whole measurement, the path check alone,
-// and the common alternative: threshold each picture and take the distances from the dieline, pixel by pixel.
-// Pictures are taken beforehand.
+// A sheet of 400 x 300 mm at 40 um to the pixel, on one core: the whole measurement (and on all), the path
+// check alone, and the common alternative: threshold each picture and take the distances from the dieline,
+// pixel by pixel. Pictures are taken beforehand.
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <numbers>
+#include <thread>
 
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
@@ -90,14 +91,16 @@ const Prepared& prepared() {
   return once;
 }
 
-void measureSheet(benchmark::State& state) {
+void measureSheetOn(benchmark::State& state, int threads) {
   const Prepared& p = prepared();
+  KerfScanOptions options = p.cut.options;
+  options.threads = threads;
   std::size_t found = 0, calipers = 0;
   for (auto _ : state) {
     state.PauseTiming();
     test::ReadyTiles source(p.tiles);
     state.ResumeTiming();
-    const KerfScan scan = scanKerf(source, p.calibration, p.cut.print, p.cut.dieline, p.cut.options);
+    const KerfScan scan = scanKerf(source, p.calibration, p.cut.print, p.cut.dieline, options);
     found = calipers = 0;
     for (const EntityKerf& kerf : scan.entities) {
       for (const Caliper& c : kerf.calipers) found += c.found ? 1U : 0U;
@@ -107,6 +110,11 @@ void measureSheet(benchmark::State& state) {
   }
   state.counters["calipers"] = static_cast<double>(calipers);
   state.counters["found"] = static_cast<double>(found);
+}
+
+void measureSheet(benchmark::State& state) { measureSheetOn(state, 1); }
+void measureSheetOnAll(benchmark::State& state) {
+  measureSheetOn(state, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 /// Tiles that were examined and the placed unit, as for any check of the path.
@@ -201,6 +209,7 @@ void pathByDistanceTransform(benchmark::State& state) {
 }
 
 BENCHMARK(measureSheet)->Unit(benchmark::kMillisecond)->Iterations(3);
+BENCHMARK(measureSheetOnAll)->Unit(benchmark::kMillisecond)->UseRealTime()->Iterations(3);
 BENCHMARK(pathByCalipers)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(pathByCalipersDense)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(pathByDistanceTransform)->Unit(benchmark::kMillisecond)->Iterations(5);
