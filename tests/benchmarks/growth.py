@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How time and memory grow with the size of a job: units on the web, lines of a drawing.
+"""How time and memory grow with the size of a job: units on the web, lines of a drawing, edges of a recording.
 
 Each size is a process of its own, run once: what counts is the slope over four decades, not the last per cent. The slope is that of a
 straight line through the logarithms of the larger half of the sizes, where what a run costs at any size no longer tells.
@@ -8,6 +8,8 @@ import collections
 import math
 import os
 import re
+import shutil
+import sys
 
 # unit: of values. one value for each size.
 Curve = collections.namedtuple("Curve", "what unit sizes values")
@@ -16,6 +18,8 @@ Plot = collections.namedtuple("Plot", "name title across curves")
 
 UNITS = (1, 3, 10, 30, 100)
 LINES_READ = (10, 100, 1000, 10000)
+EDGES = (10**5, 10**6, 10**7, 10**8, 10**9)
+BYTES_PER_EDGE = 64  # Of the file, and of what is spilled while it is written and read, with something to spare.
 LINE_MM = 1.6
 PITCH_MM = 3.0
 
@@ -58,21 +62,45 @@ def curves(sizes, figures):
     return [Curve("processor", "s", sizes, of("cpu")), Curve("peak of memory", "MiB", sizes, of("peak"))]
 
 
-def plots(process, kerfbench, scenarios, folder):
-    """All plots. `process` runs a program: what it says, wall s, CPU s, peak MiB."""
+def units_plot(process, kerfbench, scenarios, folder):
     label = os.path.join(scenarios, "native", "label-on-belt.yaml")
     units = [measured(process, kerfbench, folder, scenario_of(label, folder, f"units-{n}", (
         f"print: {{units: {n}}}\ntime_limit_s: {20 + 2 * n}\n")), ("run", "--twin", "fast")) for n in UNITS]
-    rows = [Plot("units", "Units of a label on the web, from drawing to report", "units",
-                 [*curves(UNITS, units), Curve("the job itself", "s", UNITS, [u["simulated"] for u in units])])]
+    return Plot("units", "Units of a label on the web, from drawing to report", "units",
+                [*curves(UNITS, units), Curve("the job itself", "s", UNITS, [u["simulated"] for u in units])])
+
+
+def lines_plot(process, kerfbench, folder):
     read = []
     for n in LINES_READ:
         drawing = os.path.join(folder, f"lines-{n}.svg")
         with open(drawing, "w", encoding="utf-8") as file:
             file.write(square_of_lines(n))
         read.append(measured(process, kerfbench, folder, drawing, ("lint",)))
-    rows.append(Plot("lines", "Lines of a drawing, read and checked", "lines", curves(LINES_READ, read)))
-    return rows
+    return Plot("lines", "Lines of a drawing, read and checked", "lines", curves(LINES_READ, read))
+
+
+def edges_plot(process, kerfbench, folder):
+    """Recordings of as many edges as the disk has room for."""
+    program = os.path.join(os.path.dirname(kerfbench), "kerfbench-edges")
+    recording = os.path.join(folder, "edges.vcd")
+    sizes, read = [], []
+    for n in EDGES:
+        if n * BYTES_PER_EDGE > shutil.disk_usage(folder).free:
+            print(f"benchmark: the disk has no room for {n:.0e} edges", file=sys.stderr, flush=True)
+            break
+        process(program, "write", str(n), recording)
+        said, _, cpu_s, peak_mib = process(program, "read", recording)
+        sizes.append(int(said.split()[0]))
+        read.append({"cpu": cpu_s, "peak": peak_mib})
+        os.remove(recording)
+    return Plot("edges", "Edges of a recording, read and checked", "edges", curves(sizes, read))
+
+
+def plots(process, kerfbench, scenarios, folder):
+    """All plots. `process` runs a program: what it says, wall s, CPU s, peak MiB."""
+    return [units_plot(process, kerfbench, scenarios, folder), lines_plot(process, kerfbench, folder),
+            edges_plot(process, kerfbench, folder)]
 
 
 COLOURS = ("#1f5fa8", "#b3541e", "#3a7d34", "#7a3d8f")

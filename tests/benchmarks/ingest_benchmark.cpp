@@ -15,19 +15,6 @@ namespace {
 
 constexpr std::size_t kEvents = 4'000'000;
 
-source::PinRecording repeated(const RecordedRun& run, std::size_t times) {
-  source::PinRecording recording;
-  recording.rate = run.rate;
-  for (std::size_t i = 0; i < times; ++i) {
-    for (PinEvent event : run.events) {
-      event.tick += i * (run.end + 1);
-      recording.outputs.push_back(event);
-    }
-  }
-  recording.end = times * (run.end + 1);
-  return recording;
-}
-
 /// Lines that say that a wire has changed.
 std::size_t changesByLines(const std::filesystem::path& path) {
   std::ifstream file(path);

@@ -57,4 +57,17 @@ double play(const RecordedRun& run, Tick end, const twin::TwinOptions& options) 
   return run.rate.seconds(end);
 }
 
+source::PinRecording repeated(const RecordedRun& run, std::size_t times) {
+  source::PinRecording recording;
+  recording.rate = run.rate;
+  for (std::size_t i = 0; i < times; ++i) {
+    for (PinEvent event : run.events) {
+      event.tick += i * (run.end + 1);
+      recording.outputs.push_back(event);
+    }
+  }
+  recording.end = times * (run.end + 1);
+  return recording;
+}
+
 }  // namespace kerfbench::benchmarks

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "hil/source/vcd.h"
 #include "twin/base/pin_event.h"
 #include "twin/cutter/twin.h"
 
@@ -27,5 +29,8 @@ RecordedRun record(const std::filesystem::path& scenario, const std::filesystem:
 /// Plays (0, end] into a new twin as the bench does, sensors and exposures of each quantum included, and
 /// returns the simulated seconds.
 double play(const RecordedRun& run, Tick end, const twin::TwinOptions& options);
+
+/// The pins of a run, so many times one after the other.
+source::PinRecording repeated(const RecordedRun& run, std::size_t times);
 
 }  // namespace kerfbench::benchmarks

@@ -128,6 +128,8 @@ def pictures(bench):
         Row("spot, error", counted(spots, "found and fitted", "spotFoundAndFitted", "rms_px", "px RMS", "less"),
             counted(spots, "OpenCV's SimpleBlobDetector, tuned", "simpleBlobDetectorTuned", "rms_px", "px RMS", "less")),
         Row("kerf, 400 x 300 mm, whole", counted(kerfs, "measured", "measureSheet", *milliseconds), None),
+        Row("kerf, 400 x 300 mm, whole, on all processors",
+            counted(kerfs, "measured", "measureSheetOnAll", "real_time", "ms", "less"), None),
         Row("kerf, 400 x 300 mm, path", counted(kerfs, "calipers", "pathByCalipers", *milliseconds),
             counted(kerfs, "OpenCV: threshold, distances", "pathByDistanceTransform", *milliseconds)),
     ]
