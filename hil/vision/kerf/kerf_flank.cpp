@@ -121,7 +121,7 @@ class SeenTop {
   static constexpr double kReach = 3.5;  ///< Standard deviations of the blur.
   double open_gray_;
   std::array<double, kFlankTopSamples + 1> weights_{};
-  std::array<double, kFlankTopSamples + 1> shares_{};  ///< Of the fluence, over that at the peak.
+  std::array<double, kFlankTopSamples + 1> shares_{};  ///< Shares of the fluence, over that at the peak.
 };
 
 double peakShare(const FlankQuery& q, const LightLaw& law) {
