@@ -17,6 +17,11 @@ class Dialog {
   [[nodiscard]] virtual State state() const = 0;
   /// One sentence: how far it is, or why it failed.
   [[nodiscard]] virtual std::string message() const = 0;
+  /// Once it is done: for how long no axis of the head may be pulsed before the run ends, s; 0 where the
+  /// controller itself has said that it is at rest.
+  [[nodiscard]] virtual double quiet_s() const { return 0.0; }
+  /// What the controller said that is no fault and that people want to know of, in sentences.
+  [[nodiscard]] virtual std::vector<std::string> remarks() const { return {}; }
 };
 
 }  // namespace kerfbench::run

@@ -20,6 +20,9 @@
 namespace kerfbench::run {
 namespace {
 
+/// Firmware that makes no reports is at rest when its pins have been for so long.
+constexpr double kQuiet_s = 1.0;
+
 // Both talkers have the same shape; only the names of their states differ.
 template <typename Talker>
 class TalkerDialog final : public Dialog {
@@ -33,6 +36,18 @@ class TalkerDialog final : public Dialog {
     return talker_.state() == Talker::State::kFailed ? State::kFailed : State::kBusy;
   }
   [[nodiscard]] std::string message() const override { return talker_.message(); }
+  [[nodiscard]] double quiet_s() const override {
+    if constexpr (requires { talker_.mayStillMove(); }) return talker_.mayStillMove() ? kQuiet_s : 0.0;
+    return 0.0;
+  }
+  [[nodiscard]] std::vector<std::string> remarks() const override {
+    std::vector<std::string> all;
+    if constexpr (requires { talker_.complaintsAtStart(); }) {
+      for (const std::string& said : talker_.complaintsAtStart())
+        all.push_back(fmt::format("The firmware said \"{}\" before it was sent anything.", said));
+    }
+    return all;
+  }
 
  private:
   Talker talker_;

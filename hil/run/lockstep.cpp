@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <utility>
 
 #include "hil/base/one_processor.h"
@@ -14,6 +16,9 @@ namespace {
 // A vector that grows copies what it has or waits for the disk, and a clock waits for nobody. Memory that is
 // not used costs nothing.
 constexpr std::size_t kLiveEdges = std::size_t{1} << 20U;
+
+constexpr std::array kHeadPuls{Signal::kGalvoXPul, Signal::kGalvoYPul, Signal::kGantryXPul,
+                               Signal::kGantryYPul};
 
 void sendSensors(source::SignalSource& source, const std::vector<SensorEdge>& edges, const SignalMap& map,
                  source::PinRecording& recording) {
@@ -52,6 +57,16 @@ void spoil(const std::string& problem, RecordedRun& result) {
 
 bool hasGap(const std::vector<PinEvent>& events) {
   return std::ranges::any_of(events, [](const PinEvent& e) { return (e.flags & PinEvent::kGap) != 0; });
+}
+
+/// Whether an axis of the head is told to move.
+bool isPulsed(const std::vector<PinEvent>& events, const SignalMap& map) {
+  return std::ranges::any_of(kHeadPuls, [&](Signal signal) {
+    const std::optional<PinId> pin = map.pin(signal);
+    return pin && std::ranges::any_of(events, [&](const PinEvent& event) {
+             return event.port == pin->port && (event.changed >> pin->bit & 1U) != 0;
+           });
+  });
 }
 
 /// Where pin events were lost: of a hopeless front end in every quantum, and that is one fault.
@@ -137,7 +152,8 @@ class Lockstep {
   void talk() {
     const double now_s = info_.rate.seconds(now_);
     if (!batch_.uart.empty()) result_.recording.uart.push_back({batch_.uart_received, batch_.uart});
-    if (dialog_ == nullptr || finishing_) return;
+    if (dialog_ == nullptr) return;
+    if (finishing_) return waitForQuiet();
     auto answer = dialog_->step(batch_.uart, now_s);
     if (options_.provocation != nullptr) answer = options_.provocation->toController(answer, now_s);
     if (!answer.empty()) source_.uartWrite(answer);
@@ -146,14 +162,30 @@ class Lockstep {
       result_.dialog.reason = fmt::format("at {:.3f} s: {}", now_s, dialog_->message());
       result_.dialog.time_s = info_.rate.seconds(batch_.uart_received);
     }
-    // A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
-    if (finishing_)
-      end_ = std::min(limit_, now_ + quantum_ * (1 + info_.rate.ticksAt(options_.settle_s) / quantum_));
+    if (finishing_) endIn(std::max(options_.settle_s, dialog_->quiet_s()));
+  }
+
+  /// A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
+  void endIn(double time_s) {
+    end_ = std::min(limit_, now_ + quantum_ * (1 + info_.rate.ticksAt(time_s) / quantum_));
+  }
+
+  /// The dialog is over, and the head may not be.
+  void waitForQuiet() {
+    if (!(dialog_->quiet_s() > 0.0) || dialog_->state() == Dialog::State::kFailed) return;
+    if (!isPulsed(batch_.events, map_)) return;
+    endIn(dialog_->quiet_s());
+    pulsed_at_limit_ = end_ == limit_;
   }
 
   void addTimeLimit() {
     if (dialog_ != nullptr && !finishing_ && result_.problems.empty() && options_.provocation == nullptr) {
       spoil(fmt::format("the time limit of {} s was reached ({})", options_.time_limit_s, dialog_->message()),
+            result_);
+    }
+    if (pulsed_at_limit_ && result_.problems.empty() && options_.provocation == nullptr) {
+      spoil(fmt::format("the time limit of {} s was reached before the head was at rest",
+                        options_.time_limit_s),
             result_);
     }
     if (dialog_ == nullptr && !ended_ && result_.problems.empty()) {
@@ -175,6 +207,7 @@ class Lockstep {
   Tick now_{0};
   bool finishing_{false};
   bool ended_{false};
+  bool pulsed_at_limit_{false};
   source::Batch batch_;
   Gaps gaps_;
   RecordedRun result_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/source/line_ok.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "hil/base/text.h"
@@ -9,8 +10,8 @@ namespace kerfbench::source {
 namespace {
 
 constexpr std::size_t kMaxReplyChars = 512;
-constexpr double kProbeShare = 0.5;  // Share of the time to connect after which an empty line asks.
-constexpr double kSettle_s = 0.1;    // Wait for the answer to that line, after a late banner.
+constexpr std::size_t kMostKept = 32;  // Lines of a start that are kept.
+constexpr double kProbeShare = 0.5;    // Share of the time to connect after which an empty line asks.
 constexpr double kAskPeriod_s = 0.1;
 constexpr double kReportTimeout_s = 1.0;  // Time after which a firmware without a report has none.
 
@@ -30,19 +31,29 @@ std::string strip(std::string_view line) {
 
 std::string shown(std::string_view line) { return base::printable(line, 80); }
 
+bool isComplaint(std::string_view line) { return line.starts_with("error") || line.starts_with("ALARM"); }
+
 }  // namespace
 
 LineOkSender::LineOkSender(std::string_view program, const LineOkOptions& options) : options_(options) {
+  for (std::size_t i = 0; i < options.setup.size(); ++i) {
+    auto text = strip(options.setup[i]);
+    if (!text.empty()) lines_.push_back({i + 1, std::move(text), true});
+  }
   for (std::size_t number = 1; !program.empty(); ++number) {
     const auto eol = program.find('\n');
     auto text = strip(program.substr(0, eol));
     program.remove_prefix(eol == std::string_view::npos ? program.size() : eol + 1);
-    if (!text.empty()) lines_.push_back({number, std::move(text)});
+    if (!text.empty()) lines_.push_back({number, std::move(text), false});
   }
 }
 
 std::vector<std::uint8_t> LineOkSender::step(std::span<const std::uint8_t> received, double now_s) {
   if (!std::exchange(started_, true)) start_s_ = now_s;
+  if (!received.empty()) {
+    if (!std::exchange(heard_, true)) first_heard_s_ = now_s;
+    heard_s_ = now_s;
+  }
   for (const std::uint8_t byte : received) {
     if (state_ == State::kDone || state_ == State::kFailed) break;
     if (byte != '\n') {
@@ -58,26 +69,13 @@ std::vector<std::uint8_t> LineOkSender::step(std::span<const std::uint8_t> recei
 }
 
 void LineOkSender::takeLine(std::string_view line, double now_s) {
-  if (line.starts_with("ALARM")) return fail("the firmware reports " + shown(line) + atLine());
-  if (line.starts_with("error")) return fail("the firmware answers " + shown(line) + atLine());
   switch (state_) {
     case State::kConnecting:
-      if (line == "ok" || !probed_) {
-        beginStreaming(now_s);
-      } else if (!banner_seen_) {
-        // A banner after the empty line: its ok may follow, or the line came too early and is lost.
-        banner_seen_ = true;
-        settle_s_ = now_s + kSettle_s;
-      }
+      takeBootLine(line);
       break;
     case State::kStreaming:
-      if (line == "ok") {
-        ++answered_;
-        sendNext(now_s);
-      }
-      break;
     case State::kDraining:
-      if (line.starts_with("<")) takeReport(line);
+      takeAnswer(line, now_s);
       break;
     case State::kDone:
     case State::kFailed:
@@ -85,9 +83,35 @@ void LineOkSender::takeLine(std::string_view line, double now_s) {
   }
 }
 
+void LineOkSender::takeBootLine(std::string_view line) {
+  if (isComplaint(line)) {
+    if (complaints_.size() < kMostKept) complaints_.push_back(shown(line));
+  } else if (line != "ok" && line.find_first_of("<[$") != 0 && greeting_.size() < kMostKept) {
+    ++greeting_[std::string(line)];
+  }
+}
+
+void LineOkSender::takeAnswer(std::string_view line, double now_s) {
+  if (line.starts_with("ALARM")) return fail("the firmware reports " + shown(line) + atLine());
+  if (line.starts_with("error")) return fail("the firmware answers " + shown(line) + atLine());
+  if (const auto said = greeting_.find(line); said != greeting_.end() && said->second == 1)
+    return fail("the firmware has started again: it says \"" + shown(line) + "\"" + atLine());
+  if (line.find("busy") != std::string_view::npos) waiting_since_s_ = now_s;
+  if (state_ == State::kDraining) {
+    if (line.starts_with("<")) takeReport(line);
+    return;
+  }
+  if (line != "ok" || answered_ == sent_) return;
+  in_flight_bytes_ -= lines_[answered_].text.size() + 1;
+  ++answered_;
+  waiting_since_s_ = now_s;
+  sendMore(now_s);
+}
+
 void LineOkSender::takeReport(std::string_view report) {
   report_seen_ = true;
   if (report.starts_with("<Idle")) {
+    idle_seen_ = true;
     state_ = State::kDone;
   } else if (report.starts_with("<Alarm")) {
     fail("the firmware is in alarm after the last line: " + shown(report));
@@ -97,17 +121,10 @@ void LineOkSender::takeReport(std::string_view report) {
 void LineOkSender::watchTime(double now_s) {
   switch (state_) {
     case State::kConnecting:
-      if (banner_seen_ && now_s >= settle_s_) {
-        beginStreaming(now_s);
-      } else if (!banner_seen_ && now_s - start_s_ >= options_.connect_timeout_s) {
-        fail("the firmware has not said a word in " + std::to_string(options_.connect_timeout_s) + " s");
-      } else if (!probed_ && now_s - start_s_ >= kProbeShare * options_.connect_timeout_s) {
-        probed_ = true;
-        put("\n");
-      }
+      watchStart(now_s);
       break;
     case State::kStreaming:
-      if (now_s - sent_s_ >= options_.reply_timeout_s) {
+      if (now_s - waiting_since_s_ >= options_.reply_timeout_s) {
         fail("no answer in " + std::to_string(options_.reply_timeout_s) + " s" + atLine());
       }
       break;
@@ -127,18 +144,36 @@ void LineOkSender::watchTime(double now_s) {
   }
 }
 
-void LineOkSender::beginStreaming(double now_s) {
-  state_ = State::kStreaming;
-  sendNext(now_s);
+void LineOkSender::watchStart(double now_s) {
+  // One that never stops talking is spoken to all the same.
+  const bool is_quiet = heard_ && now_s - heard_s_ >= options_.quiet_s;
+  if (is_quiet || (heard_ && now_s - first_heard_s_ >= options_.connect_timeout_s)) {
+    partial_.clear();
+    state_ = State::kStreaming;
+    waiting_since_s_ = now_s;
+    sendMore(now_s);
+  } else if (!heard_ && now_s - start_s_ >= options_.connect_timeout_s) {
+    fail("the firmware has not said a word in " + std::to_string(options_.connect_timeout_s) + " s");
+  } else if (!heard_ && !probed_ && now_s - start_s_ >= kProbeShare * options_.connect_timeout_s) {
+    probed_ = true;
+    put("\n");
+  }
 }
 
-void LineOkSender::sendNext(double now_s) {
-  if (answered_ < lines_.size()) {
-    put(lines_[answered_].text);
+/// Whether a line goes out before the ones under way are answered.
+bool LineOkSender::fits(const Line& line) const {
+  if (sent_ == answered_) return true;
+  if (line.is_setup || lines_[answered_].is_setup) return false;
+  return in_flight_bytes_ + line.text.size() + 1 <= options_.ahead_bytes;
+}
+
+void LineOkSender::sendMore(double now_s) {
+  for (; sent_ < lines_.size() && fits(lines_[sent_]); ++sent_) {
+    put(lines_[sent_].text);
     put("\n");
-    sent_s_ = now_s;
-    return;
+    in_flight_bytes_ += lines_[sent_].text.size() + 1;
   }
+  if (answered_ < lines_.size()) return;
   state_ = options_.wait_for_idle ? State::kDraining : State::kDone;
   drain_s_ = asked_s_ = now_s;
   if (state_ == State::kDraining) put("?");
@@ -153,7 +188,9 @@ void LineOkSender::fail(std::string message) {
 std::string LineOkSender::atLine() const {
   if (state_ != State::kStreaming || answered_ >= lines_.size()) return "";
   const auto& line = lines_[answered_];
-  return " to line " + std::to_string(line.number) + ": " + shown(line.text);
+  return (line.is_setup ? " to line " + std::to_string(line.number) + " of the setup: "
+                        : " to line " + std::to_string(line.number) + ": ") +
+         shown(line.text);
 }
 
 double LineOkSender::progress() const {
@@ -164,7 +201,7 @@ std::string LineOkSender::message() const {
   const auto of_lines = std::to_string(answered_) + " of " + std::to_string(lines_.size()) + " lines";
   switch (state_) {
     case State::kConnecting:
-      return "waiting for the firmware's first line";
+      return "waiting until the firmware has started";
     case State::kStreaming:
       return of_lines + " answered";
     case State::kDraining:
