@@ -295,6 +295,24 @@ std::vector<YamlReader> YamlReader::list(std::string_view key) {
   return result;
 }
 
+std::vector<std::string> YamlReader::texts(std::string_view key) {
+  const YAML::Node value = node_->take(key);
+  std::vector<std::string> result;
+  if (!given(value)) return result;
+  if (!value.IsSequence()) {
+    node_->fault(key, "expected a list of texts: [\"…\", \"…\"]");
+    return result;
+  }
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (value[i].IsScalar()) {
+      result.push_back(value[i].Scalar());
+    } else {
+      node_->fault(key, fmt::format("element {} is not a text", i));
+    }
+  }
+  return result;
+}
+
 std::vector<std::pair<std::string, std::string>> YamlReader::pairs(std::string_view key) {
   const YAML::Node value = node_->take(key);
   std::vector<std::pair<std::string, std::string>> result;

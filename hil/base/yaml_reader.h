@@ -56,6 +56,8 @@ class YamlReader {
   [[nodiscard]] bool isList(std::string_view key) const;
   /// Each element of a list of mappings.
   std::vector<YamlReader> list(std::string_view key);
+  /// Each element of a list of texts; empty where the key is missing.
+  std::vector<std::string> texts(std::string_view key);
   /// All keys and texts of a nested mapping of free keys (layer names, say).
   std::vector<std::pair<std::string, std::string>> pairs(std::string_view key);
 

@@ -114,7 +114,11 @@ PreparedJob prepareJob(const scenario::Case& test_case) {
     job.gcode = textOf(test_case.scenario.firmware.gcode);
     job.summary =
         fmt::format("G-code of {}, line by line", test_case.scenario.firmware.gcode.filename().string());
-    job.dialog = std::make_unique<TalkerDialog<source::LineOkSender>>(source::LineOkSender(job.gcode));
+    source::LineOkOptions options;
+    options.setup = test_case.scenario.firmware.setup;
+    options.ahead_bytes = test_case.scenario.firmware.ahead_bytes;
+    job.dialog =
+        std::make_unique<TalkerDialog<source::LineOkSender>>(source::LineOkSender(job.gcode, options));
     return job;
   }
   const std::filesystem::path& edited = test_case.scenario.job_gcode;

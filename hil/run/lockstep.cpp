@@ -37,6 +37,8 @@ std::string describe(source::Stop stop, const source::SignalSource& source, doub
       return "the firmware or its emulator crashed" + where;
     case source::Stop::kFlooded:
       return "the firmware floods its pins" + where;
+    case source::Stop::kMisheard:
+      return "bench and firmware do not hear each other" + where;
     case source::Stop::kHung:
       return "the emulator does not answer" + where;
     case source::Stop::kLost:
@@ -162,7 +164,9 @@ class Lockstep {
       result_.dialog.reason = fmt::format("at {:.3f} s: {}", now_s, dialog_->message());
       result_.dialog.time_s = info_.rate.seconds(batch_.uart_received);
     }
-    if (finishing_) endIn(std::max(options_.settle_s, dialog_->quiet_s()));
+    if (!finishing_) return;
+    const bool has_failed = dialog_->state() == Dialog::State::kFailed;
+    endIn(std::max(options_.settle_s, has_failed ? 0.0 : dialog_->quiet_s()));
   }
 
   /// A whole number of quanta, so that a replay of the recording steps the twin through the same instants.

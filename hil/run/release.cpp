@@ -37,6 +37,7 @@ std::unique_ptr<source::SignalSource> openRelease(const scenario::FirmwareChoice
                   : firmware.source == scenario::FirmwareChoice::Source::kNative ? firmware.image
                                                                                  : firmware.child;
   options.mcu = firmware.mcu;
+  options.eeprom = firmware.eeprom_blank ? std::string(source::kBlankEeprom) : firmware.eeprom.string();
   options.clock_hz = firmware.clock_hz;
   options.baud = firmware.baud;
   options.max_events_per_quantum = flood(firmware);

@@ -41,9 +41,15 @@ struct FirmwareChoice {
   };
   Source source{Source::kAvr};
   Dialog dialog{Dialog::kKerfbench};
-  std::filesystem::path image;  ///< Absolute. For kGpio: the one in the controller, if the file names it.
-  std::filesystem::path child;  ///< Program that speaks the pin-stream protocol, for kChild.
-  std::filesystem::path gcode;  ///< G-code, for kLineOk.
+  std::filesystem::path image;     ///< Absolute. For kGpio: the one in the controller, if the file names it.
+  std::filesystem::path child;     ///< Program that speaks the pin-stream protocol, for kChild.
+  std::filesystem::path gcode;     ///< G-code, for kLineOk.
+  std::vector<std::string> setup;  ///< Lines before it, for kLineOk.
+  /// Bytes of the firmware's receive buffer that lines may fill before they are answered; 0: one line at a
+  /// time. For kLineOk.
+  std::size_t ahead_bytes{};
+  std::filesystem::path eeprom;  ///< What the EEPROM holds, for kAvr and kChild; empty: what the image says.
+  bool eeprom_blank{};           ///< An erased EEPROM, whatever the image says.
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
   std::uint32_t baud{250'000};

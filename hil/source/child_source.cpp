@@ -101,6 +101,8 @@ Stop stopFrom(std::uint8_t code) {
       return Stop::kCrashed;
     case KB_PS_FLOODED:
       return Stop::kFlooded;
+    case KB_PS_MISHEARD:
+      return Stop::kMisheard;
     default:
       throw Malformed("unknown stop code " + std::to_string(code));
   }
@@ -178,6 +180,7 @@ class ChildSource final : public SignalSource {
       request.put(std::uint32_t{KB_PS_VERSION}).put(options_.clock_hz).put(options_.baud);
       request.put(options_.max_events_per_quantum).text(options_.mcu);
       request.text(std::filesystem::absolute(options_.image).string());
+      if (!options_.eeprom.empty()) request.text(options_.eeprom);
     }
     const auto deadline = quantumDeadline();
     const auto where = options_.child.string() + ": ";
@@ -203,6 +206,9 @@ class ChildSource final : public SignalSource {
       info_.rate.den = reply.take<std::uint64_t>();
       info_.stamp_err_ticks = reply.take<std::uint32_t>();
       info_.config_id = reply.text() + "; image sha256 " + base::sha256File(options_.image);
+      if (options_.eeprom == kBlankEeprom) info_.config_id += "; EEPROM blank";
+      if (!options_.eeprom.empty() && options_.eeprom != kBlankEeprom)
+        info_.config_id += "; EEPROM sha256 " + base::sha256File(options_.eeprom);
       reply.finish();
       if (info_.rate.num == 0 || info_.rate.den == 0) throw Malformed("declares a tick rate of zero");
     } catch (const Malformed& fault) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "hil/source/signal_source.h"
 #include "hil/source/vcd.h"
@@ -11,12 +12,16 @@
 
 namespace kerfbench::source {
 
+/// Value of ChildSourceOptions::eeprom.
+inline constexpr std::string_view kBlankEeprom = "blank";
+
 /// A release image in a child process that speaks the pin-stream protocol (see pin_stream.h).
 struct ChildSourceOptions {
   std::filesystem::path
       child;  ///< kerfbench-avr, kerfbench-native, or any other program that speaks the protocol.
   std::filesystem::path
-      image;  ///< .hex or .elf for AVR; the controller's executable or shared object for native.
+      image;             ///< .hex or .elf for AVR; the controller's executable or shared object for native.
+  std::string eeprom{};  ///< File with what the EEPROM holds, or "blank"; empty: what the image says of it.
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
   std::uint32_t baud{250'000};

@@ -11,7 +11,8 @@
  * All integers are little-endian; texts are UTF-8 with a u16 length before them.
  *
  *   bench -> child
- *     OPEN     u32 version, u64 clock_hz, u32 baud, u64 max_events, text mcu, text image path
+ *     OPEN     u32 version, u64 clock_hz, u32 baud, u64 max_events, text mcu, text image path,
+ *              and where a scenario says what the EEPROM holds: text EEPROM file, or "blank"
  *              -> HELLO or ERROR
  *     DRIVE    u64 tick, u16 port, u16 bit, u8 level
  *              an input pin takes this level at this tick (> watermark)
@@ -36,6 +37,12 @@
 
 enum kb_ps_request { KB_PS_OPEN = 1, KB_PS_DRIVE = 2, KB_PS_UART = 3, KB_PS_ADVANCE = 4, KB_PS_QUIT = 5 };
 enum kb_ps_reply { KB_PS_HELLO = 65, KB_PS_ERROR = 66, KB_PS_BATCH = 67 };
-enum kb_ps_stop { KB_PS_REACHED = 0, KB_PS_ENDED = 1, KB_PS_CRASHED = 2, KB_PS_FLOODED = 3 };
+enum kb_ps_stop {
+  KB_PS_REACHED = 0,
+  KB_PS_ENDED = 1,
+  KB_PS_CRASHED = 2,
+  KB_PS_FLOODED = 3,
+  KB_PS_MISHEARD = 4
+};
 
 #endif

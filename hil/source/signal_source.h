@@ -23,12 +23,13 @@ struct SourceInfo {
 
 /// Reason why advance() came back.
 enum class Stop {
-  kReached,  ///< The asked-for tick.
-  kEnded,    ///< A recording is at its end, or the firmware has halted for good. Nothing will follow.
-  kCrashed,  ///< The firmware or its emulator crashed; see message().
-  kFlooded,  ///< More events than `max_events` in one quantum.
-  kLost,     ///< Real pins can no longer be used: chip or serial line have gone, or the bench is too slow.
-  kHung,     ///< The child did not answer within its wall-clock guard (a safety net, never a measurement).
+  kReached,   ///< The asked-for tick.
+  kEnded,     ///< A recording is at its end, or the firmware has halted for good. Nothing will follow.
+  kCrashed,   ///< The firmware or its emulator crashed; see message().
+  kFlooded,   ///< More events than `max_events` in one quantum.
+  kMisheard,  ///< The firmware's UART does not run at the rate, or in the frame, that was asked for.
+  kLost,      ///< Real pins can no longer be used: chip or serial line have gone, or the bench is too slow.
+  kHung,      ///< The child did not answer within its wall-clock guard (a safety net, never a measurement).
 };
 
 /// Events of one quantum, in order of tick.

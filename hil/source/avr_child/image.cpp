@@ -15,6 +15,9 @@ constexpr std::size_t kMaxFileBytes = 16U << 20U;
 constexpr std::uint32_t kEepromAddress =
     0x810000;  // Where the GNU linker puts EEPROM in its one address space.
 constexpr std::uint32_t kDataAddress = 0x800000;
+constexpr std::string_view kElfMagic{
+    "\x7f"
+    "ELF"};
 
 class Placer {
  public:
@@ -25,11 +28,13 @@ class Placer {
   [[noreturn]] void fail(const std::string& where, const std::string& what) const {
     throw std::runtime_error(path_ + where + ": " + what);
   }
+  /// From here on addresses below those of the linker are the EEPROM's as well.
+  void placeInEeprom() { only_eeprom_ = true; }
   void place(std::uint64_t address, const std::uint8_t* bytes, std::size_t count, const std::string& where) {
     if (count == 0) return;
     auto* memory = &image_.flash;
-    if (address >= kEepromAddress) {
-      address -= kEepromAddress;
+    if (only_eeprom_ || address >= kEepromAddress) {
+      address -= address >= kEepromAddress ? kEepromAddress : 0;
       if (image_.eeprom.empty()) image_.eeprom.assign(eeprom_size_, 0xFF);
       memory = &image_.eeprom;
     }
@@ -38,6 +43,10 @@ class Placer {
     }
     std::memcpy(memory->data() + address, bytes, count);
     if (memory == &image_.flash) flash_bytes_ += count;
+  }
+  std::vector<std::uint8_t> takeEeprom() {
+    if (image_.eeprom.empty()) fail("", "the file holds nothing");
+    return std::move(image_.eeprom);
   }
   Image take() {
     if (flash_bytes_ == 0) fail("", "the image holds no code");
@@ -49,6 +58,7 @@ class Placer {
   std::size_t eeprom_size_;
   Image image_;
   std::size_t flash_bytes_{};
+  bool only_eeprom_{};
 };
 
 int hexDigit(char c) {
@@ -150,9 +160,7 @@ void readElf(std::string_view bytes, Placer& placer) {
   }
 }
 
-}  // namespace
-
-Image readImage(const std::string& path, std::size_t flash_size, std::size_t eeprom_size) {
+std::string contentOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path + ": " + std::strerror(errno));
   std::string bytes;
@@ -162,14 +170,32 @@ Image readImage(const std::string& path, std::size_t flash_size, std::size_t eep
     if (bytes.size() > kMaxFileBytes) throw std::runtime_error(path + ": larger than any AVR image");
   }
   if (file.bad()) throw std::runtime_error(path + ": " + std::strerror(errno));
+  return bytes;
+}
+
+}  // namespace
+
+Image readImage(const std::string& path, std::size_t flash_size, std::size_t eeprom_size) {
+  const std::string bytes = contentOf(path);
   Placer placer(path, flash_size, eeprom_size);
-  if (bytes.starts_with("\x7f"
-                        "ELF")) {
+  if (bytes.starts_with(kElfMagic)) {
     readElf(bytes, placer);
   } else {
     readHex(bytes, placer);
   }
   return placer.take();
+}
+
+std::vector<std::uint8_t> readEeprom(const std::string& path, std::size_t eeprom_size) {
+  const std::string bytes = contentOf(path);
+  Placer placer(path, 0, eeprom_size);
+  placer.placeInEeprom();
+  if (bytes.starts_with(':')) {
+    readHex(bytes, placer);
+  } else {
+    placer.place(0, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "");
+  }
+  return placer.takeEeprom();
 }
 
 }  // namespace kerfbench::avr_child

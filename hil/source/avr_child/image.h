@@ -18,4 +18,9 @@ struct Image {
 /// @throws std::runtime_error with the file and the line.
 Image readImage(const std::string& path, std::size_t flash_size, std::size_t eeprom_size);
 
+/// Reads what an EEPROM holds: Intel HEX from address 0, as avr-objcopy and programmers write it, or with the
+/// linker's addresses; anything else is taken byte by byte. Bytes beyond are 0xFF.
+/// @throws std::runtime_error with the file and the line.
+std::vector<std::uint8_t> readEeprom(const std::string& path, std::size_t eeprom_size);
+
 }  // namespace kerfbench::avr_child

@@ -6,6 +6,7 @@
 #include <sim_core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -52,7 +53,13 @@ Machine::Machine(const MachineOptions& options) : options_(options) {
   avr_global_logger_set(onLog);
   avr_ = avr_make_mcu_by_name(options.mcu.c_str());
   if (avr_ == nullptr) throw std::runtime_error("simavr has no controller '" + options.mcu + "'");
-  const Image image = readImage(options.image_path, avr_->flashend + 1U, avr_->e2end + 1U);
+  const std::size_t eeprom_size = avr_->e2end + 1U;
+  Image image = readImage(options.image_path, avr_->flashend + 1U, eeprom_size);
+  if (options.eeprom == "blank") {
+    image.eeprom.clear();
+  } else if (!options.eeprom.empty()) {
+    image.eeprom = readEeprom(options.eeprom, eeprom_size);
+  }
   avr_init(avr_);
   avr_->frequency = static_cast<std::uint32_t>(options.clock_hz);
   avr_->gdb_port = 0;  // else a bad write opens a debugger's port to the world and waits for ever
@@ -168,6 +175,7 @@ std::uint8_t Machine::onCountRead(avr_t* avr, avr_io_addr_t addr, void* param) {
 
 void Machine::onUartOut(avr_irq_t* /*irq*/, std::uint32_t value, void* param) {
   auto& self = *static_cast<Machine*>(param);
+  self.watchUart();
   const std::uint64_t start =
       self.sent_.empty() ? self.avr_->cycle : std::max(self.avr_->cycle, self.sent_.back().done_at);
   self.sent_.push_back({start + self.uart_->cycles_per_byte, static_cast<std::uint8_t>(value)});
@@ -188,16 +196,43 @@ void Machine::onUartSetup(avr_irq_t* /*irq*/, std::uint32_t /*value*/, void* par
   static_cast<Machine*>(param)->setByteTime();
 }
 
-// simavr counts a parity bit always, and looks at U2X only when UBRRL is written.
-void Machine::setByteTime() {
+unsigned Machine::cyclesPerBit() const {
   const unsigned divider = avr_->data[uart_->r_ucsra] >> uart_->u2x.bit & uart_->u2x.mask ? 8U : 16U;
   const unsigned rate = avr_->data[uart_->ubrrl.reg] | (avr_->data[uart_->ubrrh.reg] & 0x0FU) << 8U;
+  return divider * (rate + 1);
+}
+
+// simavr counts a parity bit always, and looks at U2X only when UBRRL is written.
+void Machine::setByteTime() {
   static constexpr std::array<unsigned, 8> kDataBits{5, 6, 7, 8, 8, 8, 8, 9};
   const unsigned size =
       avr_regbit_get(avr_, uart_->ucsz) | static_cast<unsigned>(avr_regbit_get(avr_, uart_->ucsz2) << 2);
   const unsigned parity = uart_->r_ucsrc != 0 && (avr_->data[uart_->r_ucsrc] & 0x30U) != 0 ? 1 : 0;
-  uart_->cycles_per_byte = avr_cycle_count_t{divider} * (rate + 1) *
+  uart_->cycles_per_byte = avr_cycle_count_t{cyclesPerBit()} *
                            (1 + kDataBits[size & 7U] + parity + 1 + avr_regbit_get(avr_, uart_->usbs));
+}
+
+/// A byte is under way: whether it would be heard. The last bit of 8N1 is sampled nine bits and a half after
+/// the edge that started it, so that a rate is off by too much where half a bit is lost until then.
+void Machine::watchUart() {
+  if (!misheard_.empty()) return;
+  constexpr double kMostOff = 0.5 / 9.5;
+  const auto bits =
+      static_cast<unsigned>(uart_->cycles_per_byte / (cyclesPerBit() == 0 ? 1 : cyclesPerBit()));
+  const double rate = static_cast<double>(options_.clock_hz) / static_cast<double>(cyclesPerBit());
+  const double asked = options_.baud;
+  char text[160] = "";
+  if (std::abs(rate - asked) > kMostOff * asked) {
+    std::snprintf(text, sizeof text,
+                  "the firmware's UART runs at %.0f baud, with a clock of %llu Hz, and the bench at %u", rate,
+                  static_cast<unsigned long long>(options_.clock_hz), options_.baud);
+  } else if (bits != kBitsPerByte) {
+    std::snprintf(text, sizeof text,
+                  "a byte of the firmware's UART takes %u bits, and the bench has %u (8N1)", bits,
+                  kBitsPerByte);
+  }
+  misheard_ = text;
+  if (!misheard_.empty()) avr_->run_cycle_count = 0;
 }
 
 void Machine::onLog(avr_t* avr, int level, const char* format, va_list arguments) {
@@ -273,6 +308,7 @@ void Machine::feedInputs() {
     const std::uint64_t period = byte_remainder_ / options_.baud;
     next_byte_at_ = next_byte_at_ + period > avr_->cycle ? next_byte_at_ + period : avr_->cycle + period;
     byte_remainder_ %= options_.baud;
+    if (uart_ != nullptr && avr_regbit_get(avr_, uart_->rxen) != 0) watchUart();
     if (uart_ != nullptr) avr_raise_irq(uart_->io.irq + UART_IRQ_INPUT, byte);
   }
 }
@@ -331,6 +367,10 @@ RunResult Machine::run(std::uint64_t until) {
       std::snprintf(where, sizeof where, "the firmware crashed near address 0x%05x at cycle %llu: ", avr_->pc,
                     static_cast<unsigned long long>(avr_->cycle));
       finish(KB_PS_CRASHED, where + (crash_.empty() ? "the program counter left the flash" : crash_));
+      break;
+    }
+    if (!misheard_.empty()) {
+      finish(KB_PS_MISHEARD, misheard_);
       break;
     }
     if (avr_->cycle >= until) break;

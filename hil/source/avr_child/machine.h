@@ -22,6 +22,7 @@ namespace kerfbench::avr_child {
 struct MachineOptions {
   std::string mcu;
   std::string image_path;
+  std::string eeprom;  ///< File, or "blank"; empty: what the image says of it.
   std::uint64_t clock_hz{};
   std::uint32_t baud{};
   std::uint64_t max_events{};
@@ -88,6 +89,8 @@ class Machine {
   void hookUart();
   void afterReset();
   void setByteTime();
+  [[nodiscard]] unsigned cyclesPerBit() const;
+  void watchUart();
   void runTimersTo(std::uint64_t tick);
   void feedInputs();
   void serviceInterrupts();
@@ -113,6 +116,7 @@ class Machine {
   bool service_due_{};
   bool asleep_{};
   std::string crash_;
+  std::string misheard_;
 };
 
 }  // namespace kerfbench::avr_child

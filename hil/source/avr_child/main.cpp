@@ -83,6 +83,7 @@ std::unique_ptr<Machine> open(const Message& request, MachineOptions& options) {
       std::min<std::uint64_t>(in.integer<std::uint64_t>(), (KB_PS_MAX_PAYLOAD - (1U << 20U)) / 16);
   options.mcu = in.text();
   options.image_path = in.text();
+  if (!in.atEnd()) options.eeprom = in.text();
   in.finish();
   return std::make_unique<Machine>(options);
 }

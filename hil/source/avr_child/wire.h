@@ -60,8 +60,9 @@ class FieldReader {
     at_ += size;
     return result;
   }
+  [[nodiscard]] bool atEnd() const { return at_ == bytes_.size(); }
   void finish() const {
-    if (at_ != bytes_.size()) throw std::runtime_error("a request has bytes left over");
+    if (!atEnd()) throw std::runtime_error("a request has bytes left over");
   }
 
  private:

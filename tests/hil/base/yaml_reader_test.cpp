@@ -44,6 +44,18 @@ TEST_F(YamlReaderTest, ReadsWhatIsThereAndFallsBackWhereAllowed) {
   EXPECT_EQ(faultsOf(file), "");
 }
 
+TEST_F(YamlReaderTest, ReadsListsOfTexts) {
+  auto file = open("a: ['$X', 5, \"b: c\"]\nb:\n  - {x: 1}\n  - text\nc: text\n");
+  EXPECT_EQ(file.texts("a"), (std::vector<std::string>{"$X", "5", "b: c"}));
+  EXPECT_EQ(file.texts("b"), (std::vector<std::string>{"text"}));
+  EXPECT_TRUE(file.texts("c").empty());
+  EXPECT_TRUE(file.texts("missing").empty());
+  const std::string faults = faultsOf(file);
+  EXPECT_THAT(faults, HasSubstr(":2: b: element 0 is not a text"));
+  EXPECT_THAT(faults, HasSubstr(":5: c: expected a list of texts"));
+  EXPECT_EQ(std::ranges::count(faults, '\n'), 1);
+}
+
 TEST_F(YamlReaderTest, ListsEveryFaultWithItsLineAtOnce) {
   auto file = open("a: 5\nb: text\nsection:\n  c: 1\n  typo: 2\nf:\n  - {x: 1, y: 3}\n");
   file.number("a", {.min = 0, .max = 2});

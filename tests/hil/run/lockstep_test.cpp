@@ -56,7 +56,8 @@ class ScriptedSource : public source::SignalSource {
 // A dialog that ends at a given time.
 class ScriptedDialog : public Dialog {
  public:
-  ScriptedDialog(double end_s, State end) : end_s_(end_s), end_(end) {}
+  ScriptedDialog(double end_s, State end, double quiet_s = 0.0)
+      : end_s_(end_s), end_(end), quiet_s_(quiet_s) {}
   std::vector<std::uint8_t> step(std::span<const std::uint8_t>, double now_s) override {
     ++steps;
     if (now_s >= end_s_ - 1e-12) state_ = end_;
@@ -64,11 +65,13 @@ class ScriptedDialog : public Dialog {
   }
   [[nodiscard]] State state() const override { return state_; }
   [[nodiscard]] std::string message() const override { return "talking"; }
+  [[nodiscard]] double quiet_s() const override { return quiet_s_; }
   int steps{0};
 
  private:
   double end_s_;
   State end_;
+  double quiet_s_;
   State state_{State::kBusy};
 };
 
@@ -113,6 +116,59 @@ TEST_F(Lockstep, GoesOnInWholeQuantaForTheSettlingTimeAfterTheDialog) {
   EXPECT_GE(kRate.seconds(result.recording.end), 0.0301);
   EXPECT_LE(kRate.seconds(result.recording.end), 0.0301 + 0.5e-3);
   EXPECT_EQ(dialog.steps, 40);
+}
+
+// The head of a controller that does not say when it is at rest.
+class LockstepUntilQuiet : public Lockstep {
+ protected:
+  /// Pulses of galvo_x to the end of a span, one each 2 ms.
+  void pulseUntil(double end_s) {
+    for (Tick tick = 16'000; kRate.seconds(tick) < end_s; tick += 32'000) {
+      source.events.push_back({tick, 0, 1, 1, 0});
+      source.events.push_back({tick + 8000, 0, 1, 0, 0});
+    }
+  }
+  ScriptedDialog quiet{0.02, Dialog::State::kDone, 0.05};
+};
+
+TEST_F(LockstepUntilQuiet, ARunGoesOnWhileTheHeadIsPulsed) {
+  pulseUntil(0.2);
+  const auto result = run(&quiet);
+  EXPECT_THAT(result.problems, IsEmpty());
+  EXPECT_NEAR(kRate.seconds(result.recording.end), 0.2 + 0.05, 3e-3);
+  EXPECT_EQ(result.recording.end % kQuantum, 0U);
+  EXPECT_EQ(result.recording.outputs.size(), source.events.size());
+}
+
+TEST_F(LockstepUntilQuiet, WithoutPulsesItEndsWhenItHasBeenQuiet) {
+  source.events.push_back({400'000, 0, 0b10, 0b10, 0});  // DIR moves nothing.
+  EXPECT_NEAR(kRate.seconds(run(&quiet).recording.end), 0.02 + 0.05, 1e-3);
+}
+
+TEST_F(LockstepUntilQuiet, APauseThatIsLongEnoughIsTheEnd) {
+  pulseUntil(0.03);
+  source.events.push_back({2'400'000, 0, 1, 1, 0});  // At 0.15 s.
+  EXPECT_NEAR(kRate.seconds(run(&quiet).recording.end), 0.03 + 0.05, 3e-3);
+}
+
+TEST_F(LockstepUntilQuiet, AHeadThatIsNeverAtRestIsAProblem) {
+  options.time_limit_s = 0.3;
+  pulseUntil(0.3);
+  const auto result = run(&quiet);
+  EXPECT_THAT(result.problems,
+              ElementsAre(HasSubstr("the time limit of 0.3 s was reached before the head was at rest")));
+  EXPECT_EQ(result.recording.problems, result.problems);
+}
+
+TEST_F(LockstepUntilQuiet, AControllerThatSaysItIsAtRestIsBelieved) {
+  pulseUntil(0.2);
+  EXPECT_NEAR(kRate.seconds(run(&dialog).recording.end), 0.03, 1e-3);
+}
+
+TEST_F(LockstepUntilQuiet, AFailedDialogEndsTheRun) {
+  pulseUntil(0.2);
+  ScriptedDialog failing(0.02, Dialog::State::kFailed, 0.05);
+  EXPECT_NEAR(kRate.seconds(run(&failing).recording.end), 0.03, 1e-3);
 }
 
 TEST_F(Lockstep, TheDialogsBytesGoToTheUart) {

@@ -165,6 +165,52 @@ TEST_F(CaseTest, GcodeEditedByHandTakesThePlaceOfThePlanners) {
   EXPECT_THAT(faultsOf("planner: {gcode: lost.nc}\n"), HasSubstr("no such file 'lost.nc'"));
 }
 
+class LineOkCase : public CaseTest {
+ protected:
+  [[nodiscard]] std::filesystem::path plate(const std::string& firmware) const {
+    (void)temp_.write("linecutter-avr.hex", "");
+    return temp_.write("s.yaml", "extends: " + base::fixture("scenarios/line-ok/plate.yaml").string() +
+                                     "\nfirmware: {" + firmware + "}\n");
+  }
+  [[nodiscard]] FirmwareChoice firmwareOf(const std::string& firmware) const {
+    return readScenarioFile(plate(firmware), {temp_.path()}).scenario.firmware;
+  }
+  [[nodiscard]] std::string faultsIn(const std::string& firmware) const {
+    try {
+      (void)firmwareOf(firmware);
+    } catch (const base::ConfigError& e) {
+      return e.what();
+    }
+    return {};
+  }
+};
+
+TEST_F(LineOkCase, SetupLinesAndTheReceiveBufferAreRead) {
+  const FirmwareChoice usual = firmwareOf("");
+  EXPECT_TRUE(usual.setup.empty());
+  EXPECT_EQ(usual.ahead_bytes, 0U);
+  const FirmwareChoice own = firmwareOf("setup: ['$X', $32=1], ahead_bytes: 127");
+  EXPECT_EQ(own.setup, (std::vector<std::string>{"$X", "$32=1"}));
+  EXPECT_EQ(own.ahead_bytes, 127U);
+  EXPECT_THAT(
+      faultsIn("setup: [\"$X\\n$H\"], ahead_bytes: -1"),
+      AllOf(HasSubstr("s.yaml:2: firmware.setup: a line has"), HasSubstr("ahead_bytes: -1 is outside")));
+  EXPECT_THAT(faultsIn("setup: ['" + std::string(256, 'x') + "']"), HasSubstr("up to 255 characters"));
+  EXPECT_EQ(faultsIn("setup: ['" + std::string(255, 'x') + "']"), "");
+}
+
+TEST_F(LineOkCase, TheEepromIsAFileOrBlank) {
+  (void)temp_.write("settings.eep", "");
+  EXPECT_TRUE(firmwareOf("").eeprom.empty());
+  EXPECT_FALSE(firmwareOf("").eeprom_blank);
+  EXPECT_TRUE(firmwareOf("eeprom: blank").eeprom_blank);
+  EXPECT_EQ(firmwareOf("eeprom: settings.eep").eeprom, temp_.path() / "settings.eep");
+  EXPECT_THAT(faultsIn("eeprom: lost.eep"), HasSubstr("no such file 'lost.eep'"));
+  EXPECT_THAT(faultsIn("source: native, eeprom: blank"), HasSubstr("eeprom: is for an emulated release"));
+  const auto inputs = readScenarioFile(plate("eeprom: settings.eep"), {temp_.path()}).scenario.inputs;
+  EXPECT_EQ(std::ranges::count(inputs, temp_.path() / "settings.eep"), 1) << "or the digest does not bind it";
+}
+
 // The table is found by trial: where to aim the head of the twin so that its spot lands on the node.
 TEST_F(CaseTest, AnFThetaHeadIsTrueWithItsTable) {
   const twin::MachineDescription machine =
