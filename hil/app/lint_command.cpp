@@ -70,7 +70,7 @@ void warnOfCameras(const fs::path& path, scenario::Case& test_case, const machin
     say(fmt::format("{}: warning: {}", path.string(), problem));
 }
 
-int lintFile(const fs::path& path, const judge::RunOptions& options) {
+int lintFile(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
   if (isDrawing(path)) return lintDrawing(path, dieline::defaultLayerProfile(), options.quiet);
   const auto file_keys = base::YamlReader::openFile(path);
   if (file_keys.has("camera_id")) {
@@ -83,7 +83,7 @@ int lintFile(const fs::path& path, const judge::RunOptions& options) {
   }
   scenario::Case test_case;
   if (isScenario(path)) {
-    test_case.scenario = scenario::readScenario(path, {options.bin_dir.parent_path() / "firmware"});
+    test_case.scenario = scenario::readScenario(path, {options.bin_dir.parent_path() / "firmware", image});
     const machine_file::MachineFile file = machine_file::readMachineFile(test_case.scenario.machine);
     warnOfCameras(path, test_case, file, options.quiet);
     scenario::refuseUnwired(test_case);
@@ -99,11 +99,11 @@ int lintFile(const fs::path& path, const judge::RunOptions& options) {
 
 }  // namespace
 
-int lintCommand(const std::vector<fs::path>& files, const judge::RunOptions& options) {
+int lintCommand(const std::vector<fs::path>& files, const fs::path& image, const judge::RunOptions& options) {
   int errors = 0;
   for (const fs::path& path : files) {
     try {
-      const int found = lintFile(path, options);
+      const int found = lintFile(path, image, options);
       if (found == 0 && !options.quiet) say(fmt::format("{}: good", path.string()));
       errors += found;
     } catch (const base::ConfigError& e) {

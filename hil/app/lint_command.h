@@ -9,8 +9,9 @@
 
 namespace kerfbench::app {
 
-/// Checks a scenario, a machine or a dieline. Returns 0, or base::kExitInput when something is wrong with a
-/// file.
-int lintCommand(const std::vector<std::filesystem::path>& files, const judge::RunOptions& options);
+/// Checks a scenario, a machine or a dieline. `image`: as for runCommand(). Returns 0, or base::kExitInput
+/// when something is wrong with a file.
+int lintCommand(const std::vector<std::filesystem::path>& files, const std::filesystem::path& image,
+                const judge::RunOptions& options);
 
 }  // namespace kerfbench::app

@@ -70,23 +70,26 @@ void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
       ->excludes(with);
 }
 
+void addImageOption(CLI::App& command, fs::path& image) {
+  command.add_option("--image", image, "The release, instead of the scenario's firmware.image");
+}
+
 void addRun(CLI::App& app, const CliProgram& program, CliActions& actions) {
   CLI::App* run = app.add_subcommand(
       "run",
       "Run scenarios: firmware, machine, camera, verdict, report.\nA scenario on real pins (source: gpio, "
       "analyser) runs in real time; docs/how-to/real-pins.md has its keys.");
   const auto scenarios = std::make_shared<std::vector<fs::path>>();
+  const auto image = std::make_shared<fs::path>();
   const auto options = commonOptions(program);
   run->add_option("SCENARIO", *scenarios, "Scenario files (fixtures/scenarios/*.yaml)")->required();
+  addImageOption(*run, *image);
   addCommonOptions(*run, *options);
-  actions.add(run, [=] { return runCommand(*scenarios, *options); });
+  actions.add(run, [=] { return runCommand(*scenarios, *image, *options); });
 }
 
 void addReplay(CLI::App& app, const CliProgram& program, CliActions& actions) {
-  struct Files {
-    fs::path recording, scenario, frames;
-  };
-  const auto files = std::make_shared<Files>();
+  const auto files = std::make_shared<Replay>();
   const auto options = commonOptions(program);
   CLI::App* replay = app.add_subcommand("replay", "Judge recorded pins (pins.vcd, .sr) as if they were live");
   replay
@@ -95,12 +98,12 @@ void addReplay(CLI::App& app, const CliProgram& program, CliActions& actions) {
                    "channels named so or as the scenario's lines")
       ->required();
   replay->add_option("--scenario", files->scenario, "The scenario that was recorded")->required();
+  addImageOption(*replay, files->image);
   replay->add_option("--frames", files->frames,
                      "Recording of the real spot camera that the scenario names;\notherwise the folder spot "
                      "beside the pins");
   addCommonOptions(*replay, *options);
-  actions.add(replay,
-              [=] { return replayCommand(files->recording, files->scenario, files->frames, *options); });
+  actions.add(replay, [=] { return replayCommand(*files, *options); });
 }
 
 void addVerify(CLI::App& app, const CliProgram& program, CliActions& actions) {
@@ -115,6 +118,7 @@ void addVerify(CLI::App& app, const CliProgram& program, CliActions& actions) {
   verify->add_option("FOLDER", options->folder, "Results folder of a run or of a replay")->required();
   verify->add_option("--scenario", options->scenario,
                      "The scenario of that run, with all files that it names as they were");
+  addImageOption(*verify, options->image);
   verify->add_option("--frames", options->frames,
                      "Recording of the real spot camera that the scenario names;\notherwise the folder spot "
                      "in the results");
@@ -129,10 +133,12 @@ void addVerify(CLI::App& app, const CliProgram& program, CliActions& actions) {
 void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   CLI::App* lint = app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg)");
   const auto files = std::make_shared<std::vector<fs::path>>();
+  const auto image = std::make_shared<fs::path>();
   const auto options = commonOptions(program);
   lint->add_option("FILE", *files, "Files to check")->required();
+  addImageOption(*lint, *image);
   lint->add_flag("--quiet,-q", options->quiet, "Only what is wrong");
-  actions.add(lint, [=] { return lintCommand(*files, *options); });
+  actions.add(lint, [=] { return lintCommand(*files, *image, *options); });
 }
 
 /// Commands of kerfbench-instrument: only their names are here.

@@ -43,8 +43,9 @@ std::string sourceName(scenario::FirmwareChoice::Source source) {
   return "child process";
 }
 
-scenario::Case caseWithOptions(const fs::path& path, const judge::RunOptions& options) {
-  scenario::Case test_case = scenario::readCase(path, options.bin_dir.parent_path() / "firmware");
+scenario::Case caseWithOptions(const fs::path& path, const fs::path& image,
+                               const judge::RunOptions& options) {
+  scenario::Case test_case = scenario::readCase(path, {options.bin_dir.parent_path() / "firmware", image});
   if (options.seed) test_case.scenario.seed = *options.seed;
   if (options.imperfections)
     test_case.scenario.imperfections = scenario::presetFromName(*options.imperfections);
@@ -55,11 +56,11 @@ scenario::Case caseWithOptions(const fs::path& path, const judge::RunOptions& op
 
 constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on by itself
 
-int replayOne(const fs::path& recording, const fs::path& scenario, const fs::path& frames,
-              const judge::RunOptions& options) {
+int replayOne(const Replay& replay, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet);
-  const scenario::Case test_case = caseWithOptions(scenario, options);
+  const scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options);
+  const fs::path& recording = replay.recording;
   judge::refuseForeignResults(options.results_dir, test_case.scenario.name + "-replay");
   console.say(fmt::format("{}: {}, replayed from {}", test_case.scenario.name, test_case.scenario.title,
                           recording.string()));
@@ -74,17 +75,17 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const fs::pat
   }
   conclusion.unsealed = !recorded.sealed;
   stopwatch.lap("reading");
-  conclusion.spot_frames = live::framesOfReplay(test_case, recording, frames);
+  conclusion.spot_frames = live::framesOfReplay(test_case, recording, replay.frames);
   conclusion.folder_name = test_case.scenario.name + "-replay";
   conclusion.firmware = "recording " + recording.filename().string();
   return live::judgeRecorded(test_case, {sampled, recorded}, std::move(conclusion), options, stopwatch,
                              console);
 }
 
-int runOne(const fs::path& path, const judge::RunOptions& options) {
+int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet);
-  const scenario::Case test_case = caseWithOptions(path, options);
+  const scenario::Case test_case = caseWithOptions(path, image, options);
   const scenario::Scenario& scenario = test_case.scenario;
   judge::refuseForeignResults(options.results_dir, scenario.name);
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
@@ -135,17 +136,18 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
 
 }  // namespace
 
-int runCommand(const std::vector<fs::path>& scenarios, const judge::RunOptions& options) {
+int runCommand(const std::vector<fs::path>& scenarios, const fs::path& image,
+               const judge::RunOptions& options) {
   int code = 0;
   for (const fs::path& scenario : scenarios) {
-    code = base::worstExitCode(code, cli::runGuarded(scenario, [&] { return runOne(scenario, options); }));
+    code = base::worstExitCode(code,
+                               cli::runGuarded(scenario, [&] { return runOne(scenario, image, options); }));
   }
   return code;
 }
 
-int replayCommand(const fs::path& recording, const fs::path& scenario, const fs::path& frames,
-                  const judge::RunOptions& options) {
-  return cli::runGuarded(scenario, [&] { return replayOne(recording, scenario, frames, options); });
+int replayCommand(const Replay& replay, const judge::RunOptions& options) {
+  return cli::runGuarded(replay.scenario, [&] { return replayOne(replay, options); });
 }
 
 }  // namespace kerfbench::app

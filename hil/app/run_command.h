@@ -9,11 +9,19 @@
 namespace kerfbench::app {
 
 /// Runs every scenario; returns the worst exit code (INVALID before FAIL before NOT PROVEN before PASS).
-int runCommand(const std::vector<std::filesystem::path>& scenarios, const judge::RunOptions& options);
+/// `image`: the release, whatever the scenarios name; empty: theirs.
+int runCommand(const std::vector<std::filesystem::path>& scenarios, const std::filesystem::path& image,
+               const judge::RunOptions& options);
 
-/// Judges a recording of pins as if it were live. `frames`: of a real spot camera; empty: those beside the
-/// pins.
-int replayCommand(const std::filesystem::path& recording, const std::filesystem::path& scenario,
-                  const std::filesystem::path& frames, const judge::RunOptions& options);
+/// What replayCommand() judges.
+struct Replay {
+  std::filesystem::path recording;
+  std::filesystem::path scenario;
+  std::filesystem::path image;   ///< The release, whatever the scenario names; empty: the scenario's.
+  std::filesystem::path frames;  ///< Recording of a real spot camera; empty: the one beside the pins.
+};
+
+/// Judges a recording of pins as if it were live.
+int replayCommand(const Replay& replay, const judge::RunOptions& options);
 
 }  // namespace kerfbench::app

@@ -129,7 +129,8 @@ std::vector<std::string> replayDifferences(const VerifyOptions& options, const J
   const judge::ResultsFolder scratch(fs::temp_directory_path(), "kerfbench-verify");
   judge::RunOptions run = optionsOf(verdict, options.run);
   run.results_dir = scratch.staging();
-  const int code = replayCommand(options.folder / "pins.vcd", options.scenario, options.frames, run);
+  const int code =
+      replayCommand({options.folder / "pins.vcd", options.scenario, options.image, options.frames}, run);
   if (code == base::kExitInput || code == base::kExitBroken)
     throw base::InputError(fmt::format("{}: its pins could not be judged again", options.folder.string()));
   const fs::path again = fs::directory_iterator(scratch.staging())->path();

@@ -12,6 +12,7 @@ namespace kerfbench::app {
 struct VerifyOptions {
   std::filesystem::path folder;       ///< Results of a run or of a replay.
   std::filesystem::path scenario;     ///< The scenario of that run; empty: its pins are not judged again.
+  std::filesystem::path image;        ///< As for replayCommand().
   std::filesystem::path frames;       ///< As for replayCommand().
   std::optional<std::string> digest;  ///< Digest that was kept elsewhere.
   judge::RunOptions run;              ///< Threads and programs.

@@ -80,9 +80,9 @@ void refuseUnwired(const Case& test_case) {
   if (!faults.empty()) throw base::ConfigError(faults);
 }
 
-Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir) {
+Case readCase(const std::filesystem::path& scenario, const ImagePath& images) {
   Case test_case;
-  test_case.scenario = readScenario(scenario, {firmware_dir});
+  test_case.scenario = readScenario(scenario, images);
   const machine_file::MachineFile file = machine_file::readMachineFile(test_case.scenario.machine);
   test_case.machine = file.machine;
   test_case.spread = file.spread;

@@ -28,7 +28,11 @@ struct Case {
 
 /// @throws ConfigError or DielineError with everything wrong in the first file that is bad; ConfigError as
 /// well for a machine that the twin cannot run, and for a dieline that is unfit to cut (see lintDieline).
-Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir);
+Case readCase(const std::filesystem::path& scenario, const ImagePath& images);
+/// With the release that the scenario names.
+inline Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir) {
+  return readCase(scenario, ImagePath{firmware_dir});
+}
 
 /// @throws ConfigError for a scenario on real pins whose lines are not the pins that the machine has.
 void refuseUnwired(const Case& test_case);

@@ -116,9 +116,11 @@ inline const char* nameOf(twin::Fidelity fidelity) {
 twin::Preset presetFromName(const std::string& name);
 twin::Fidelity fidelityFromName(const std::string& name);
 
-/// Folder where release images named without one are looked for, after that of the scenario.
+/// Where release images are.
 struct ImagePath {
-  std::filesystem::path firmware_dir;
+  std::filesystem::path firmware_dir;  ///< Those named without a folder are looked for here, after that of
+                                       ///< the scenario.
+  std::filesystem::path image{};  ///< The release, whatever the scenario names; empty: the scenario's.
 };
 
 /// A scenario, and every key that its reader asked for: docs/reference/scenario.md is held against them.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,16 @@ void skipKeys(const base::YamlReader& firmware, const std::vector<const char*>& 
   for (const char* key : keys) (void)firmware.has(key);
 }
 
+std::filesystem::path imageOf(base::YamlReader& firmware, const ImagePath& images) {
+  if (images.image.empty()) return fileOf(firmware, "image", images.firmware_dir);
+  skipKeys(firmware, {"image"});
+  const std::filesystem::path image = std::filesystem::absolute(images.image).lexically_normal();
+  if (!std::filesystem::is_regular_file(image))
+    firmware.fault("image", fmt::format("no such file '{}' (--image)", images.image.string()));
+  firmware.names(image);
+  return image;
+}
+
 FirmwareChoice readFirmwareOnPins(base::YamlReader& firmware, const ImagePath& images) {
   FirmwareChoice result;
   result.source = FirmwareChoice::Source::kGpio;
@@ -55,7 +66,7 @@ FirmwareChoice readFirmwareOnPins(base::YamlReader& firmware, const ImagePath& i
     result.dialog = FirmwareChoice::Dialog::kNone;
     skipKeys(firmware, {"image", "baud", "dialog", "gcode", "setup", "ahead_bytes"});
   } else {
-    if (firmware.has("image")) result.image = fileOf(firmware, "image", images.firmware_dir);
+    if (firmware.has("image") || !images.image.empty()) result.image = imageOf(firmware, images);
     readDialog(firmware, result);
   }
   skipKeys(firmware, {"child", "mcu", "clock_hz", "eeprom"});
@@ -87,7 +98,7 @@ FirmwareChoice readFirmware(base::YamlReader firmware, const ImagePath& images) 
   result.source = source == "native"  ? FirmwareChoice::Source::kNative
                   : source == "child" ? FirmwareChoice::Source::kChild
                                       : FirmwareChoice::Source::kAvr;
-  result.image = fileOf(firmware, "image", images.firmware_dir);
+  result.image = imageOf(firmware, images);
   if (result.source == FirmwareChoice::Source::kChild)
     result.child = fileOf(firmware, "child", images.firmware_dir);
   result.mcu = firmware.text("mcu", result.mcu);

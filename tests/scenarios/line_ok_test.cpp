@@ -72,6 +72,70 @@ TEST_F(LineOkFirmware, CutsASheetAtRestAndPasses) {
   }
 }
 
+TEST_F(LineOkFirmware, LinesOfASetupGoFirstAndAnErrorToThemIsNamed) {
+  const auto result = run("firmware: {setup: ['G90', 'G2 X1'], ahead_bytes: 60}\n");
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("error:20 to line 2 of the setup: G2 X1"));
+}
+
+TEST_F(LineOkFirmware, ALineRateThatItDoesNotHaveMakesTheRunInvalid) {
+  const auto result = run("firmware: {baud: 9600}\n");
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("bench and firmware do not hear each other"));
+  EXPECT_THAT(result.output, HasSubstr("and the bench at 9600"));
+}
+
+TEST_F(LineOkFirmware, AnotherReleaseCanBeNamedOnTheCommandLine) {
+  const auto lost = run("firmware: {image: candidate.hex}\n");
+  EXPECT_EQ(lost.exit_code, 65);
+  EXPECT_THAT(lost.output, HasSubstr("no such file 'candidate.hex'"));
+  const std::string image = releaseImage("linecutter-avr.hex").string();
+  const auto result = run("firmware: {image: candidate.hex}\n", fmt::format("--image '{}'", image));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(verdict().at("inputs").dump(), HasSubstr("linecutter-avr.hex"));
+  const auto wrong = run("", "--image none.hex");
+  EXPECT_EQ(wrong.exit_code, 65);
+  EXPECT_THAT(wrong.output, HasSubstr("firmware.image: no such file 'none.hex' (--image)"));
+}
+
+// Grbl is not part of this project: the variable names an image of Grbl 1.1 for an ATmega328P.
+class Grbl : public LineOkFirmware {
+ protected:
+  void SetUp() override {
+    if (image() == nullptr) GTEST_SKIP() << "KERFBENCH_GRBL_IMAGE is not set";
+  }
+  static const char* image() { return std::getenv("KERFBENCH_GRBL_IMAGE"); }
+  [[nodiscard]] ProgramRun plateWith(const std::string& setup, const std::string& more = "") const {
+    const auto path = scratch_.path() / "changed.yaml";
+    std::ofstream(path) << "extends: " << fixture("scenarios/line-ok/grbl-plate.yaml").string()
+                        << "\nname: changed\nfirmware: {setup: [" << setup << "]" << more << "}\n";
+    return kerfbench(fmt::format("run '{}' --image '{}' --twin fast --no-pictures --results-dir '{}/results'",
+                                 path.string(), image(), scratch_.path().string()));
+  }
+  static constexpr const char* kSetup = "$3=3, $32=1, $110=6000, $111=6000, $120=500, $121=500";
+};
+
+TEST_F(Grbl, WithABlankEepromPassesAndItsComplaintIsTold) {
+  const auto result = plateWith(kSetup);
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("The firmware said \"error:7\" before it was sent anything."));
+}
+
+TEST_F(Grbl, WithAWrongScaleFailsByThePath) {
+  EXPECT_EQ(plateWith(std::string(kSetup) + ", $100=250.5").exit_code, 1);
+  EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("path"));
+}
+
+TEST_F(Grbl, WithAnAxisInvertedFails) {
+  EXPECT_EQ(plateWith(std::string(kSetup) + ", $3=2").exit_code, 1);
+  EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("stray"));
+}
+
+TEST_F(Grbl, ThatAcceleratesBeyondItsDrivesFails) {
+  EXPECT_EQ(plateWith(std::string(kSetup) + ", $120=20000, $121=20000").exit_code, 1);
+  EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("pulse_timing"));
+}
+
 TEST_F(LineOkFirmware, ALineThatItRefusesMakesTheRunInvalidAndIsNamed) {
   const auto result = runGcode("G90\n; so far so good\nM3 S160\nG1 X2 Y0 F9000\nG2 X4 Y0 I1\nG1 X6\nM5\n");
   EXPECT_EQ(result.exit_code, 3) << result.output;

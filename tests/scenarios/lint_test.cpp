@@ -50,7 +50,10 @@ TEST_F(Lint, EveryFixtureIsGood) {
   }
   EXPECT_GE(files.size(), 20U);
   for (const auto& path : files) {
-    const auto result = lint(path);
+    // Whoever runs Grbl brings it along.
+    const bool has_image = !path.filename().string().starts_with("grbl-");
+    const auto result =
+        lint(path, has_image ? "" : fmt::format("--image '{}'", releaseImage("linecutter-avr.hex").string()));
     EXPECT_EQ(result.exit_code, 0) << path << "\n" << result.output;
     EXPECT_THAT(result.output, HasSubstr(path.string() + ": good\n"));
   }

@@ -66,6 +66,8 @@ ScratchFolder::~ScratchFolder() {
   fs::remove_all(path_, ignored);
 }
 
+fs::path releaseImage(const std::string& name) { return fs::path(KERFBENCH_BINARY_DIR) / "firmware" / name; }
+
 fs::path fixture(const std::string& name) { return fs::path(KERFBENCH_SOURCE_DIR) / "fixtures" / name; }
 
 fs::path scenarioWith(const std::string& base, const std::string& keys, const ScratchFolder& scratch) {

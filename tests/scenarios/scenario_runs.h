@@ -37,6 +37,8 @@ class ScratchFolder {
 };
 
 std::filesystem::path fixture(const std::string& name);
+/// A release that the build makes.
+std::filesystem::path releaseImage(const std::string& name);
 /// A scenario of its own in the folder: these keys beside those of the base, one of fixtures/scenarios.
 std::filesystem::path scenarioWith(const std::string& base, const std::string& keys,
                                    const ScratchFolder& scratch);
