@@ -15,6 +15,7 @@
 #include "hil/dieline/read.h"
 #include "hil/judge/run_options.h"
 #include "hil/machine_file/machine_check.h"
+#include "hil/run/controller_fit.h"
 #include "hil/scenario/camera_files.h"
 #include "hil/scenario/case.h"
 
@@ -87,6 +88,7 @@ int lintFile(const fs::path& path, const fs::path& image, const judge::RunOption
     const machine_file::MachineFile file = machine_file::readMachineFile(test_case.scenario.machine);
     warnOfCameras(path, test_case, file, options.quiet);
     scenario::refuseUnwired(test_case);
+    run::refuseUnfitController(test_case, options.bin_dir);
     machine_file::refuseUnfit(file, scenario::webOf(test_case));
     return lintDrawing(test_case.scenario.dieline, test_case.scenario.layers, options.quiet);
   }

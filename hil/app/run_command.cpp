@@ -20,6 +20,7 @@
 #include "hil/live/real_pins.h"
 #include "hil/live/recording_file.h"
 #include "hil/live/run_on_pins.h"
+#include "hil/run/controller_fit.h"
 #include "hil/run/dialogs.h"
 #include "hil/run/model_machine.h"
 #include "hil/run/release.h"
@@ -93,6 +94,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   if (scenario.firmware.onRealPins())
     return live::runOnPins(test_case, live::realPins(options.bin_dir), options, stopwatch, console);
   live::refuseRealCamera(test_case);
+  run::refuseUnfitController(test_case, options.bin_dir);
   const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
   run::PreparedJob job = run::prepareJob(test_case);
   console.say("  " + job.summary);

@@ -118,9 +118,8 @@ twin::Fidelity fidelityFromName(const std::string& name);
 
 /// Where release images are.
 struct ImagePath {
-  std::filesystem::path firmware_dir;  ///< Those named without a folder are looked for here, after that of
-                                       ///< the scenario.
-  std::filesystem::path image{};  ///< The release, whatever the scenario names; empty: the scenario's.
+  std::filesystem::path firmware_dir;  ///< Where images are looked for that do not lie beside the scenario.
+  std::filesystem::path image{};       ///< The release, whatever the scenario names; empty: the scenario's.
 };
 
 /// A scenario, and every key that its reader asked for: docs/reference/scenario.md is held against them.

@@ -108,6 +108,30 @@ Stop stopFrom(std::uint8_t code) {
   }
 }
 
+/// False: not within the deadline. @throws Malformed if the child has gone or talks nonsense.
+bool readReply(ChildProcess& child, std::uint8_t& type, std::vector<std::uint8_t>& payload,
+               ChildProcess::Clock::time_point deadline) {
+  std::array<std::uint8_t, kHeadBytes> head{};
+  const auto check = [&child](ChildProcess::Io io) {
+    if (io != ChildProcess::Io::kClosed) return io == ChildProcess::Io::kDone;
+    const auto end = child.finish(kFarewell);
+    const auto words = child.lastWords();
+    throw Gone(end + (words.empty() ? "" : "; it said: " + words));
+  };
+  if (!check(child.read(head, deadline))) return false;
+  std::uint32_t size = 0;
+  for (std::size_t i = 0; i < 4; ++i) size |= std::uint32_t{head[i]} << (8 * i);
+  if (size > KB_PS_MAX_PAYLOAD) throw Malformed("a reply of " + std::to_string(size) + " bytes is too long");
+  type = head[4];
+  payload.resize(size);
+  return check(child.read(payload, deadline));
+}
+
+ChildProcess::Clock::time_point in(double seconds) {
+  return ChildProcess::Clock::now() +
+         std::chrono::duration_cast<ChildProcess::Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
 class ChildSource final : public SignalSource {
  public:
   explicit ChildSource(const ChildSourceOptions& options) : options_(options), child_(options.child) {
@@ -188,7 +212,7 @@ class ChildSource final : public SignalSource {
     std::uint8_t type = 0;
     try {
       if (child_.write(std::exchange(outgoing_, {}), deadline) == ChildProcess::Io::kTimedOut ||
-          !readReply(type, payload, deadline)) {
+          !readReply(child_, type, payload, deadline)) {
         child_.kill();
         (void)child_.finish(kFarewell);
         throw std::runtime_error(where + "gave no answer within its wall-clock guard");
@@ -219,34 +243,11 @@ class ChildSource final : public SignalSource {
     info_.process = child_.id();
   }
 
-  [[nodiscard]] ChildProcess::Clock::time_point quantumDeadline() const {
-    return ChildProcess::Clock::now() + std::chrono::duration_cast<ChildProcess::Clock::duration>(
-                                            std::chrono::duration<double>(options_.hang_guard_s));
-  }
-
-  /// False: not within the deadline. @throws Malformed if the child has gone or talks nonsense.
-  bool readReply(std::uint8_t& type, std::vector<std::uint8_t>& payload,
-                 ChildProcess::Clock::time_point deadline) {
-    std::array<std::uint8_t, kHeadBytes> head{};
-    const auto check = [this](ChildProcess::Io io) {
-      if (io != ChildProcess::Io::kClosed) return io == ChildProcess::Io::kDone;
-      const auto end = child_.finish(kFarewell);
-      const auto words = child_.lastWords();
-      throw Gone(end + (words.empty() ? "" : "; it said: " + words));
-    };
-    if (!check(child_.read(head, deadline))) return false;
-    std::uint32_t size = 0;
-    for (std::size_t i = 0; i < 4; ++i) size |= std::uint32_t{head[i]} << (8 * i);
-    if (size > KB_PS_MAX_PAYLOAD)
-      throw Malformed("a reply of " + std::to_string(size) + " bytes is too long");
-    type = head[4];
-    payload.resize(size);
-    return check(child_.read(payload, deadline));
-  }
+  [[nodiscard]] ChildProcess::Clock::time_point quantumDeadline() const { return in(options_.hang_guard_s); }
 
   void readBatch(Tick until, Batch& batch, ChildProcess::Clock::time_point deadline) {
     std::uint8_t type = 0;
-    if (!readReply(type, payload_, deadline)) {
+    if (!readReply(child_, type, payload_, deadline)) {
       (void)hung();
       return;
     }
@@ -315,6 +316,22 @@ class ChildSource final : public SignalSource {
 };
 
 }  // namespace
+
+std::string describeChild(const std::filesystem::path& child, const std::string& mcu) {
+  ChildProcess process(child);
+  std::vector<std::uint8_t> outgoing;
+  Request(outgoing, KB_PS_DESCRIBE).text(mcu);
+  std::uint8_t type = 0;
+  std::vector<std::uint8_t> payload;
+  const auto deadline = in(ChildSourceOptions{}.hang_guard_s);
+  if (process.write(outgoing, deadline) == ChildProcess::Io::kTimedOut ||
+      !readReply(process, type, payload, deadline) || type != KB_PS_DESCRIPTION)
+    throw std::runtime_error(child.string() + ": does not say what it emulates");
+  Reply reply(payload);
+  std::string text = reply.text();
+  reply.finish();
+  return text;
+}
 
 std::unique_ptr<SignalSource> openChild(const ChildSourceOptions& options) {
   return std::make_unique<ChildSource>(options);

@@ -31,6 +31,10 @@ struct ChildSourceOptions {
 /// @throws std::system_error if the child cannot be started, std::runtime_error if it refuses the image.
 std::unique_ptr<SignalSource> openChild(const ChildSourceOptions& options);
 
+/// Asks a child for the controller of a name, or for all that it emulates where none is called so, in the
+/// words of DESCRIPTION in pin_stream.h. @throws std::runtime_error if it does not say.
+std::string describeChild(const std::filesystem::path& child, const std::string& mcu);
+
 /// Replays pins.vcd (or any VCD with 1-bit wires named as signalName()); `map` gives the pins the events get.
 /// @throws std::runtime_error listing every fault with its line.
 std::unique_ptr<SignalSource> openVcd(const std::filesystem::path& path, const SignalMap& map);

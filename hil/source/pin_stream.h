@@ -19,12 +19,13 @@
  *     UART     bytes for the controller, sent at its baud rate, flow control honoured; no reply
  *     ADVANCE  u64 until                                   run until this tick -> BATCH
  *     QUIT     the child exits with 0
- *   child -> bench
- *     HELLO    u32 version, u64 tick_num, u64 tick_den (seconds per tick), u32 stamp_err_ticks,
- *              text configuration
- *     ERROR    text                                        the image cannot be run; the child exits
- *     BATCH    u8 stop, u64 watermark, u32 n, n events, u32 m, m UART bytes, text message
- *              event: u64 tick, u16 port, u16 changed, u16 level, u16 flags (twin/base/pin_event.h)
+ *     DESCRIBE text mcu                                    (in place of OPEN, for kerfbench-avr) the
+ * controller of this name, or all where none is called so -> DESCRIPTION child -> bench HELLO    u32 version,
+ * u64 tick_num, u64 tick_den (seconds per tick), u32 stamp_err_ticks, text configuration ERROR    text the
+ * image cannot be run; the child exits BATCH    u8 stop, u64 watermark, u32 n, n events, u32 m, m UART bytes,
+ * text message event: u64 tick, u16 port, u16 changed, u16 level, u16 flags (twin/base/pin_event.h)
+ *     DESCRIPTION  text: a line for each controller, with tabs between names (with blanks between them),
+ * bytes of flash, of SRAM and of EEPROM, letters of ports, digits of timers, digits of UARTs
  *
  * A BATCH with stop other than KB_PS_REACHED is the last one. Ticks in a batch ascend and lie in
  * (last watermark, watermark]. The level of a pin before its first event is 0.
@@ -35,8 +36,15 @@
 #define KB_PS_VERSION 1u
 #define KB_PS_MAX_PAYLOAD (64u * 1024u * 1024u)
 
-enum kb_ps_request { KB_PS_OPEN = 1, KB_PS_DRIVE = 2, KB_PS_UART = 3, KB_PS_ADVANCE = 4, KB_PS_QUIT = 5 };
-enum kb_ps_reply { KB_PS_HELLO = 65, KB_PS_ERROR = 66, KB_PS_BATCH = 67 };
+enum kb_ps_request {
+  KB_PS_OPEN = 1,
+  KB_PS_DRIVE = 2,
+  KB_PS_UART = 3,
+  KB_PS_ADVANCE = 4,
+  KB_PS_QUIT = 5,
+  KB_PS_DESCRIBE = 6
+};
+enum kb_ps_reply { KB_PS_HELLO = 65, KB_PS_ERROR = 66, KB_PS_BATCH = 67, KB_PS_DESCRIPTION = 68 };
 enum kb_ps_stop {
   KB_PS_REACHED = 0,
   KB_PS_ENDED = 1,

@@ -59,6 +59,42 @@ TEST_F(Lint, EveryFixtureIsGood) {
   }
 }
 
+TEST_F(Lint, AControllerThatTheEmulatorLacksIsRefusedWithThoseMostLikeIt) {
+  const auto scenario = file("s.yaml", "extends: " + fixture("scenarios/label-on-belt.yaml").string() +
+                                           "\nname: s\nfirmware: {mcu: atmega256}\n");
+  const auto result = lint(scenario);
+  EXPECT_EQ(result.exit_code, 65);
+  EXPECT_THAT(result.output,
+              HasSubstr(scenario.string() + ":3: firmware.mcu: the emulator has no 'atmega256'"));
+  EXPECT_THAT(result.output, HasSubstr("atmega2560"));
+  // A run refuses it in the same words.
+  const auto run = kerfbench(
+      fmt::format("run '{}' --results-dir '{}/results'", scenario.string(), scratch_.path().string()));
+  EXPECT_EQ(run.exit_code, 65);
+  EXPECT_THAT(run.output, HasSubstr("firmware.mcu: the emulator has no 'atmega256'"));
+}
+
+TEST_F(Lint, APinThatTheControllerLacksIsNamedWithItsLine) {
+  (void)file("m.yaml", "extends: " + fixture("machines/two-mirror-linecutter.yaml").string() +
+                           "\nname: m\npins:\n  galvo_x_pul: PA2\n  laser_gate: PB9\n");
+  const auto scenario = file("s.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
+                                           "\nname: s\nmachine: m.yaml\n");
+  const auto result = lint(scenario);
+  EXPECT_EQ(result.exit_code, 65);
+  EXPECT_THAT(
+      result.output,
+      AllOf(HasSubstr("m.yaml:4: pins.galvo_x_pul: an atmega328p has no PA2: its ports are PB, PC, PD"),
+            HasSubstr("m.yaml:5: pins.laser_gate: an atmega328p has no PB9")));
+}
+
+TEST_F(Lint, AControllerWhoseUartTheBenchCannotReachIsRefused) {
+  const auto scenario = file("s.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
+                                           "\nname: s\nfirmware: {mcu: attiny84}\n");
+  const auto result = lint(scenario);
+  EXPECT_EQ(result.exit_code, 65);
+  EXPECT_THAT(result.output, HasSubstr(":3: firmware.mcu: the emulator has no UART 0 of an attiny84"));
+}
+
 TEST_F(Lint, QuietSaysNothingOfWhatIsGood) {
   const auto result = lint(fixture("scenarios/label-on-belt.yaml"), "-q");
   EXPECT_EQ(result.exit_code, 0);

@@ -12,6 +12,7 @@
 #include <memory>
 #include <span>
 
+#include "hil/source/avr_child/controllers.h"
 #include "hil/source/avr_child/machine.h"
 #include "hil/source/avr_child/wire.h"
 #include "hil/source/pin_stream.h"
@@ -94,7 +95,16 @@ void serve(int in_fd, int out_fd) {
   std::unique_ptr<Machine> machine;
   Requests requests(in_fd);
   try {
-    machine = open(requests.next(), options);
+    const Message first = requests.next();
+    if (first.type == KB_PS_DESCRIBE) {
+      std::vector<std::uint8_t> out;
+      FieldReader in(first.payload);
+      putText(out, describeControllers(in.text()));
+      in.finish();
+      writeMessage(out_fd, KB_PS_DESCRIPTION, out);
+      return;
+    }
+    machine = open(first, options);
   } catch (const EndOfRequests&) {
     throw;
   } catch (const std::exception& fault) {
