@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "hil/cli/run_guarded.h"
+#include "hil/doctor/child_check.h"
 #include "hil/doctor/doctor.h"
 #include "hil/doctor/loopback.h"
 
@@ -33,10 +34,22 @@ int examine(const DoctorOptions& options) {
              : 1;
 }
 
+int tryChild(const doctor::ChildOptions& options) {
+  const std::vector<doctor::DoctorFinding> findings = doctor::checkChild(options);
+  std::fputs(doctor::findingsText(findings).c_str(), stdout);
+  return std::ranges::all_of(
+             findings,
+             [](const doctor::DoctorFinding& f) { return f.grade == doctor::DoctorFinding::Grade::kGood; })
+             ? 0
+             : 1;
+}
+
 }  // namespace
 
 int doctorCommand(const DoctorOptions& options) {
   if (options.bench.wanted) return doctor::measureLoopback(options.bench, options.json);
+  if (!options.child.child.empty())
+    return cli::runGuarded(options.child.image, [&] { return tryChild(options.child); });
   return cli::runGuarded(options.scenario, [&] { return examine(options); });
 }
 

@@ -58,17 +58,29 @@ void addDoctor(CLI::App& app, const cli::CliProgram& program, cli::CliActions& a
   auto holder = std::make_shared<DoctorOptions>();
   DoctorOptions& options = *holder;
   options.bin_dir = program.bin_dir;
-  CLI::App* doctor = app.add_subcommand("doctor",
-                                        "What hardware this computer has for real pins and cameras (chips, "
-                                        "lines, logic analysers, cameras, clock,\n"
-                                        "real-time limits), what is wrong with it and what to do. Exit code "
-                                        "0; with a scenario 1 if something that\n"
-                                        "it needs is missing. --bench measures instead: how many edges a "
-                                        "second are read without loss, and what\n"
-                                        "stamps are worth; exit code 1 if that fails.");
+  CLI::App* doctor =
+      app.add_subcommand("doctor",
+                         "What hardware this computer has for real pins and cameras (chips, "
+                         "lines, logic analysers, cameras, clock,\n"
+                         "real-time limits), what is wrong with it and what to do. Exit code "
+                         "0; with a scenario 1 if something that\n"
+                         "it needs is missing. --bench measures instead: how many edges a "
+                         "second are read without loss, and what\n"
+                         "stamps are worth; exit code 1 if that fails.\n--child tries a program that "
+                         "is to run images: exit code 1 if it breaks the pin stream.");
   doctor->add_option("SCENARIO", options.scenario, "Is there what this scenario needs?");
   doctor->add_flag("--json", options.json, "As JSON");
   addLoopbackOptions(*doctor, options.bench);
+  CLI::Option* const child = doctor->add_option(
+      "--child", options.child.child,
+      "Try this program instead: does it keep what docs/reference/pin-stream.md asks of a child?");
+  CLI::Option* const image =
+      doctor->add_option("--image", options.child.image, "The image that it runs")->needs(child);
+  child->needs(image);
+  doctor->add_option("--for", options.child.seconds, "Virtual seconds of each run")
+      ->needs(child)
+      ->check(CLI::Range(0.001, 60.0))
+      ->capture_default_str();
   actions.add(doctor, std::move(holder), doctorCommand);
 }
 

@@ -71,6 +71,16 @@ Json chipJson(const source::GpioChipInfo& chip) {
 
 }  // namespace
 
+std::string findingsText(const std::vector<DoctorFinding>& findings) {
+  std::string text;
+  for (const DoctorFinding& finding : findings) {
+    std::string indented;
+    for (const char c : finding.text) indented += c == '\n' ? std::string("\n         ") : std::string(1, c);
+    text += fmt::format("{:<7}  {}\n", nameOf(finding.grade), indented);
+  }
+  return text;
+}
+
 std::string doctorText(const ComputerState& state, const std::vector<DoctorFinding>& findings) {
   std::string text = state.kernel + "\n";
   for (const source::GpioChipInfo& chip : state.gpio.chips) {
@@ -82,12 +92,7 @@ std::string doctorText(const ComputerState& state, const std::vector<DoctorFindi
   text +=
       fmt::format("CLOCK_MONOTONIC: {} ns, by {}\n", state.clock_resolution_ns,
                   state.clock_source.empty() ? "a clock that the kernel does not name" : state.clock_source);
-  for (const DoctorFinding& finding : findings) {
-    std::string indented;
-    for (const char c : finding.text) indented += c == '\n' ? std::string("\n         ") : std::string(1, c);
-    text += fmt::format("{:<7}  {}\n", nameOf(finding.grade), indented);
-  }
-  return text;
+  return text + findingsText(findings);
 }
 
 std::string doctorJson(const ComputerState& state, const std::vector<DoctorFinding>& findings,
