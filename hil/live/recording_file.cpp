@@ -16,11 +16,25 @@ bool hasEdges(const source::PinRecording& recording, PinId pin) {
   });
 }
 
+/// All outputs that the machine has, if the scenario names wires: none of them may be missing then.
+source::ChannelNames namesOf(const scenario::Case& test_case) {
+  source::ChannelNames names = test_case.scenario.wires;
+  for (std::size_t i = 0; i < kSignalCount && !test_case.scenario.wires.empty(); ++i) {
+    const auto signal = static_cast<Signal>(i);
+    const bool is_named =
+        std::ranges::find(names, signal, &source::ChannelNames::value_type::first) != names.end();
+    if (!is_named && !isSensor(signal) && test_case.machine.signals.pin(signal))
+      names.emplace_back(signal, signalName(signal));
+  }
+  return names;
+}
+
 source::PinRecording readSession(const std::filesystem::path& path, const scenario::Case& test_case,
                                  const base::ProgressFn& progress) {
   source::ChannelNames names;
   for (const scenario::PinLine& line : test_case.scenario.firmware.analyser.lines)
     names.emplace_back(line.signal, line.line);
+  if (names.empty()) names = namesOf(test_case);
   source::PinRecording recording = source::readSr(path, test_case.machine.signals, names, progress);
   for (const scenario::SlowRate& slow : scenario::tooSlowFor(test_case.machine, recording.rate.den)) {
     if (hasEdges(recording, *test_case.machine.signals.pin(slow.pul)))
@@ -34,8 +48,9 @@ source::PinRecording readSession(const std::filesystem::path& path, const scenar
 source::PinRecording readRecording(const std::filesystem::path& path, const scenario::Case& test_case,
                                    const base::ProgressFn& progress) {
   try {
-    return path.extension() == ".sr" ? readSession(path, test_case, progress)
-                                     : source::readVcd(path, test_case.machine.signals, progress);
+    return path.extension() == ".sr"
+               ? readSession(path, test_case, progress)
+               : source::readVcd(path, test_case.machine.signals, test_case.scenario.wires, progress);
   } catch (const std::runtime_error& e) {
     throw base::InputError(e.what());
   }

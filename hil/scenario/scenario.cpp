@@ -102,6 +102,17 @@ void readName(base::YamlReader& file, Scenario& s) {
   s.title = file.text("title", "");
 }
 
+void readWires(base::YamlReader& file, Scenario& s) {
+  for (const auto& [name, wire] : file.pairs("wires")) {
+    const std::optional<Signal> signal = signalFromName(name);
+    const bool is_twice =
+        std::ranges::find(s.wires, wire, &decltype(s.wires)::value_type::second) != s.wires.end();
+    if (!signal) file.fault("wires", fmt::format("'{}' is no signal", name));
+    if (is_twice) file.fault("wires", fmt::format("the wire '{}' is given to two signals", wire));
+    if (signal && !is_twice) s.wires.emplace_back(*signal, wire);
+  }
+}
+
 void readRelease(base::YamlReader& file, const ImagePath& images, Scenario& s) {
   s.firmware = readFirmware(file.section("firmware"), images);
   if (s.firmware.onRealPins() && s.belt_by_controller) {
@@ -183,6 +194,7 @@ ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
   s.dieline = fileOf(file, "dieline");
   s.machine = fileOf(file, "machine");
   s.layers = readLayers(file);
+  readWires(file, s);
   s.selection = readSelection(file.section("select"));
   auto board = file.section("board");
   s.board = readBoard(board);

@@ -74,7 +74,8 @@ struct Scenario {
   std::filesystem::path dieline;
   std::filesystem::path machine;
   dieline::LayerProfile layers;
-  planner::Selection selection;  ///< Part of the dieline that is cut, and judged.
+  std::vector<std::pair<Signal, std::string>> wires;  ///< Names of wires in recordings of other programs.
+  planner::Selection selection;                       ///< Part of the dieline that is cut, and judged.
   twin::BoardDescription board;
   double swelling_sigma{};  ///< For the bench: relative growth of the board between cut and inspection.
   PrintLayout print;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hil/base/progress.h"
@@ -41,6 +42,10 @@ struct PinRecording {
   /// Read from a file that announces a sum of its own. One that does not fit is a problem.
   bool sealed{};
 };
+
+/// Names of wires or channels of a file, where they are not those of their signals.
+using ChannelNames = std::vector<std::pair<Signal, std::string>>;
+
 /// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly
 /// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
 /// for: the exact tick, its error, the end of the run, gaps, problems, and what the controller sent. Only
@@ -50,7 +55,8 @@ struct PinRecording {
 std::string writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map,
                      const base::ProgressFn& progress = {});
 
-/// Reads such a file, or any VCD that names its 1-bit wires as signalName() does; other wires are skipped.
+/// Reads such a file, or any VCD that names its 1-bit wires as `names` or signalName() do; other wires are
+/// skipped. A file that Kerfbench wrote has signalName() alone.
 /// Without Kerfbench's comments a tick is one unit of the time scale. Changes of a port at one stamp become
 /// one event.
 ///
@@ -64,8 +70,12 @@ std::string writeVcd(const std::filesystem::path& path, const PinRecording& reco
 /// truncated are refused. The file may be of any size: it is read in pieces.
 /// @throws std::runtime_error listing every fault (the first 20) with its line, std::system_error with the
 /// path, also of a folder that has no room for the recording (see base::SpilledVector).
-PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map,
+PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names,
                      const base::ProgressFn& progress = {});
+inline PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map,
+                            const base::ProgressFn& progress = {}) {
+  return readVcd(path, map, {}, progress);
+}
 
 /// The sum with which a file of Kerfbench ends; nullopt if it has none, or one that does not fit the file.
 /// @throws std::system_error with the path.

@@ -25,6 +25,7 @@ namespace {
 
 constexpr std::size_t kMaxFaults = 20;
 constexpr std::size_t kMaxWires = 4096;
+constexpr std::size_t kMostStrangers = 16;
 constexpr std::uint64_t kMaxWidthBits = 4096;
 
 /// Thrown when there is no sense in reading on.
@@ -39,8 +40,9 @@ struct WordHash {
 
 class Reader {
  public:
-  Reader(const std::filesystem::path& path, const SignalMap& map, const base::ProgressFn& progress)
-      : path_(path.string()), text_(path, progress), map_(map) {}
+  Reader(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names,
+         const base::ProgressFn& progress)
+      : path_(path.string()), text_(path, progress), map_(map), names_(names) {}
 
   PinRecording read() {
     try {
@@ -100,7 +102,7 @@ class Reader {
     for (std::size_t i = 0; i < kSignalCount; ++i) {
       const auto signal = static_cast<Signal>(i);
       if (map_.pin(signal) && !isSensor(signal) && !seen_[i]) {
-        fault("no wire " + std::string(signalName(signal)) + ", which the machine has");
+        fault("no wire " + nameOf(signal) + ", which the machine has" + std::exchange(strangers_, {}));
       }
       if (isSensor(signal) && seen_[i]) recording_.sensor_wires.push_back(signal);
     }
@@ -201,12 +203,47 @@ class Reader {
     }
   }
 
+  /// Names of a foreign file; those of Kerfbench's own have the signals' names.
+  [[nodiscard]] const ChannelNames& names() const {
+    static const ChannelNames kNone;
+    return own_rate_ ? kNone : names_;
+  }
+
+  [[nodiscard]] std::string nameOf(Signal signal) const {
+    const auto named = std::ranges::find(names(), signal, &ChannelNames::value_type::first);
+    const std::string own(signalName(signal));
+    return named == names().end() ? own : base::printable(named->second) + " (" + own + ")";
+  }
+
+  [[nodiscard]] std::optional<Signal> signalOf(std::string_view wire) const {
+    const auto named = std::ranges::find(names(), wire, &ChannelNames::value_type::second);
+    if (named != names().end()) return named->first;
+    const std::optional<Signal> signal = signalFromName(wire);
+    const bool is_elsewhere =
+        signal && std::ranges::find(names(), *signal, &ChannelNames::value_type::first) != names().end();
+    return is_elsewhere ? std::nullopt : signal;
+  }
+
+  /// Wires that are no signal's: of a foreign file it is among them.
+  void addStranger(std::string_view wire) {
+    if (++stranger_count_ > kMostStrangers + 1) return;
+    if (stranger_count_ == kMostStrangers + 1) {
+      strangers_ += " …";
+      return;
+    }
+    strangers_ += (strangers_.empty()
+                       ? "; wires of the file that are no signal's (the scenario's key wires names them): "
+                       : ", ") +
+                  base::printable(wire);
+  }
+
   void variable(const Words& words) {
     const auto width = words.size() >= 4 ? base::numberFrom<std::uint64_t>(words[1]) : std::nullopt;
     if (!width || *width == 0) return fault("$var needs a type, a width, an identifier and a name");
     if (*width > kMaxWidthBits) return fault("a wire of " + std::to_string(*width) + " bits is too wide");
     if (wires_.size() >= kMaxWires) giveUp("more than " + std::to_string(kMaxWires) + " wires");
-    Wire wire{signalFromName(words[3]), *width, {}, {}};
+    Wire wire{signalOf(words[3]), *width, {}, {}};
+    if (!wire.signal) addStranger(words[3]);
     if (wire.signal && !map_.pin(*wire.signal)) wire.signal.reset();
     if (wire.signal) wire.pin = *map_.pin(*wire.signal);
     if (wire.signal) {
@@ -382,6 +419,9 @@ class Reader {
   std::string path_;
   VcdText text_;
   const SignalMap& map_;
+  const ChannelNames& names_;
+  std::string strangers_;  ///< Wires that are no signal's, for a fault; empty once it was told.
+  std::size_t stranger_count_{};
   std::string faults_;
   std::size_t fault_count_{};
   int exponent_{-1};
@@ -410,9 +450,9 @@ class Reader {
 
 }  // namespace
 
-PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map,
+PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names,
                      const base::ProgressFn& progress) {
-  return Reader(path, map, progress).read();
+  return Reader(path, map, names, progress).read();
 }
 
 }  // namespace kerfbench::source

@@ -4,17 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "hil/base/progress.h"
 #include "hil/source/vcd.h"
 #include "twin/base/signal_map.h"
 
 namespace kerfbench::source {
-
-/// Name of a channel of a session file, where it is not that of its signal.
-using ChannelNames = std::vector<std::pair<Signal, std::string>>;
 
 /// Reads a session file of sigrok (a zip with metadata and samples), as sigrok-cli and PulseView save it. A
 /// tick is a sample, and an edge was somewhere in the period before its stamp. A signal is on the channel of

@@ -165,6 +165,15 @@ TEST_F(CaseTest, GcodeEditedByHandTakesThePlaceOfThePlanners) {
   EXPECT_THAT(faultsOf("planner: {gcode: lost.nc}\n"), HasSubstr("no such file 'lost.nc'"));
 }
 
+TEST_F(CaseTest, WiresOfForeignRecordingsHaveTheirSignals) {
+  const Case test_case = label("wires: {galvo_x_pul: X_STEP, encoder_a: 'ENC A'}\n");
+  using Wires = std::vector<std::pair<Signal, std::string>>;
+  EXPECT_EQ(test_case.scenario.wires, (Wires{{Signal::kGalvoXPul, "X_STEP"}, {Signal::kEncoderA, "ENC A"}}));
+  EXPECT_THAT(faultsOf("wires: {x_step: X, galvo_x_pul: X, galvo_y_pul: X}\n"),
+              AllOf(HasSubstr("s.yaml:3: wires: 'x_step' is no signal"),
+                    HasSubstr("the wire 'X' is given to two signals")));
+}
+
 class LineOkCase : public CaseTest {
  protected:
   [[nodiscard]] std::filesystem::path plate(const std::string& firmware) const {

@@ -80,7 +80,9 @@ TEST_F(GpioChoiceTest, LinesThatMakeNoSenseAreFaultsWithFileAndLine) {
             HasSubstr("s.yaml:16: firmware.lines.galvo_z_pul: unknown key")));
   EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, {}, {}),
               HasSubstr("s.yaml:8: firmware.lines.galvo_x_pul: the machine has no such pin"));
-  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, plate(kWires).machine.signals, {.gantry = true}),
+  SignalMap with_gantry = plate(kWires).machine.signals;
+  with_gantry.assign(Signal::kGantryXPul, {0, 4});
+  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, with_gantry, {.gantry = true}),
               HasSubstr("no line for gantry_x_pul"));
   EXPECT_THAT(faultsIn(base::replaced(kWires, "laser_gate: 8", "laser_gate: 7")),
               HasSubstr("s.yaml:12: firmware.lines.laser_gate: has line 7, and so has galvo_y_dir"));

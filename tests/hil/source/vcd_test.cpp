@@ -160,6 +160,69 @@ TEST_F(VcdTest, ForeignFileTakesItsTimeScaleForTheTick) {
   EXPECT_EQ(openVcd(path, sampleMap())->info().stamp_err_ticks, 1U);
 }
 
+class ForeignWires : public VcdTest {
+ protected:
+  /// A file with these names for the three outputs of the sample's first port, and its gate.
+  void write(const std::string& x, const std::string& dir, const std::string& y, const std::string& gate) {
+    std::ofstream(file("foreign.vcd")) << "$timescale 1 us $end $var wire 1 a " << x << " $end $var wire 1 b "
+                                       << dir << " $end $var wire 1 c " << y << " $end $var wire 1 d " << gate
+                                       << " $end $var wire 1 e SPARE $end $enddefinitions $end\n"
+                                       << "#0 0a 0b 0c 0d 0e\n#5 1a\n#9 0a 1e\n#10\n";
+  }
+  [[nodiscard]] std::string faultOf(const ChannelNames& names) {
+    try {
+      (void)readVcd(file("foreign.vcd"), sampleMap(), names);
+    } catch (const std::runtime_error& e) {
+      return e.what();
+    }
+    return {};
+  }
+};
+
+TEST_F(ForeignWires, HaveTheNamesThatTheyAreGiven) {
+  write("X_STEP", "X_DIR", "galvo_y_pul", "LASER");
+  const ChannelNames names{
+      {Signal::kGalvoXPul, "X_STEP"}, {Signal::kGalvoXDir, "X_DIR"}, {Signal::kLaserGate, "LASER"}};
+  const auto recording = readVcd(file("foreign.vcd"), sampleMap(), names);
+  const PinId pul = *sampleMap().pin(Signal::kGalvoXPul);
+  ASSERT_EQ(recording.outputs.size(), 2U);
+  EXPECT_EQ(recording.outputs[0].tick, 5U);
+  EXPECT_EQ(recording.outputs[0].port, pul.port);
+  EXPECT_EQ(recording.outputs[0].level, 1U << pul.bit);
+}
+
+TEST_F(ForeignWires, AWireThatIsMissedIsToldWithThoseThatAreNoSignals) {
+  write("X_STEP", "galvo_x_dir", "galvo_y_pul", "laser_gate");
+  EXPECT_THAT(faultOf({}),
+              HasSubstr("no wire galvo_x_pul, which the machine has; wires of the file that are no "
+                        "signal's (the scenario's key wires names them): X_STEP, SPARE"));
+  EXPECT_THAT(faultOf({{Signal::kGalvoXPul, "X_PUL"}}),
+              HasSubstr("no wire X_PUL (galvo_x_pul), which the machine has"));
+}
+
+TEST_F(ForeignWires, ASignalThatIsGivenAnotherNameIsNotOnItsOwn) {
+  write("galvo_x_pul", "galvo_x_dir", "galvo_y_pul", "laser_gate");
+  EXPECT_EQ(faultOf({}), "");
+  EXPECT_THAT(faultOf({{Signal::kGalvoXPul, "NONE"}}), HasSubstr("no wire NONE (galvo_x_pul)"));
+  // SPARE moves, and what is called galvo_x_pul is nobody's.
+  const auto swapped = readVcd(file("foreign.vcd"), sampleMap(), {{Signal::kGalvoXPul, "SPARE"}});
+  ASSERT_EQ(swapped.outputs.size(), 1U);
+  EXPECT_EQ(swapped.outputs[0].tick, 9U);
+}
+
+TEST_F(ForeignWires, ManyAreNotAllTold) {
+  std::string wires;
+  for (int i = 0; i < 40; ++i)
+    wires += "$var wire 1 w" + std::to_string(i) + " W" + std::to_string(i) + " $end ";
+  std::ofstream(file("foreign.vcd")) << "$timescale 1 us $end " << wires << "$enddefinitions $end\n#0\n#1\n";
+  EXPECT_THAT(faultOf({}), testing::AllOf(HasSubstr("W14, W15 …"), testing::Not(HasSubstr("W16"))));
+}
+
+TEST_F(ForeignWires, AFileOfOurOwnHasTheSignalsNames) {
+  writeVcd(file("foreign.vcd"), sampleRecording(10), sampleMap());
+  EXPECT_EQ(faultOf({{Signal::kGalvoXPul, "X_STEP"}}), "");
+}
+
 TEST_F(VcdTest, ReplayGivesTheRecordingInQuantaAndThenEnds) {
   const auto recording = sampleRecording(300);
   writeVcd(file("replay.vcd"), recording, sampleMap());
