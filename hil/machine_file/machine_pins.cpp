@@ -58,7 +58,11 @@ SignalMap readPins(base::YamlReader pins, MachineDescription::Kind kind) {
     if (!pin) {
       pins.fault(name, fmt::format("'{}' is no pin like PA0", pin_name));
     } else if (!users.emplace(*pin, name).second) {
-      pins.fault(name, fmt::format("{} is given to {} and to {}", pin_name, users[*pin], name));
+      pins.fault(name,
+                 fmt::format("{} is given to {} and to {}{}", pin_name, users[*pin], name,
+                             signal == Signal::kLaserPwm && users[*pin] == signalName(Signal::kLaserGate)
+                                 ? ": a pin that is both is the gate, with `laser_pwm: ~`"
+                                 : ""));
     } else {
       map.assign(signal, *pin);
     }

@@ -41,6 +41,17 @@ TEST_F(MachineFaultsTest, APinThatIsGivenTwiceIsNamedWithBothSignals) {
   EXPECT_THAT(faults, HasSubstr(fmt::format("m.yaml:{}:", base::lineOf(bad, "galvo_y_pul"))));
 }
 
+TEST_F(MachineFaultsTest, APinThatIsGateAndPowerIsToldHowItIsWritten) {
+  const std::string good = text("two-mirror.yaml");
+  const std::string gate = "laser_gate: PC2";
+  ASSERT_THAT(good, HasSubstr(gate));
+  const std::string bad = base::replaced(good, gate, "laser_gate: PC3");
+  EXPECT_THAT(faultsOf(bad),
+              HasSubstr("PC3 is given to laser_gate and to laser_pwm: a pin that is both is the gate, "
+                        "with `laser_pwm: ~`"));
+  EXPECT_EQ(faultsOf(base::replaced(bad, "laser_pwm: PC3", "laser_pwm: ~")), "");
+}
+
 TEST_F(MachineFaultsTest, ASignalThatIsGivenTwoPinsIsAFault) {
   const std::string bad =
       base::replaced(text("two-mirror.yaml"), "galvo_y_pul: PA2", "galvo_y_pul: PA2\n  galvo_y_pul: PB2");
