@@ -116,9 +116,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   }
   run::RecordedRun run = machine.run(*source, job.dialog.get(), lockstep, base::progressOn(console));
   if (provoked) console.say("  " + job.dialog->message());
-  if (job.dialog) {
-    for (const std::string& remark : job.dialog->remarks()) console.say("  " + remark);
-  }
+  run::tellRemarks(job, console);
   stopwatch.lap(spot_watch ? "firmware and machine, spot camera beside them" : "firmware and machine");
 
   judge::Conclusion conclusion;

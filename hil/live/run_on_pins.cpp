@@ -112,6 +112,7 @@ int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge
   std::string driven;
   if (firmware.gpio.isLive()) {
     LivePins live = runLive(test_case, sampled, pins, job, console);
+    run::tellRemarks(job, console);
     driven = "; " + drivenWords(live);
     conclusion.firmware_version = std::move(job.controller);
     conclusion.gcode = std::move(job.gcode);

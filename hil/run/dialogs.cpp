@@ -148,4 +148,9 @@ PreparedJob prepareJob(const scenario::Case& test_case) {
   return job;
 }
 
+void tellRemarks(const PreparedJob& job, base::Console& console) {
+  if (!job.dialog) return;
+  for (const std::string& remark : job.dialog->remarks()) console.say("  " + remark);
+}
+
 }  // namespace kerfbench::run

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware_under_test/planner/job/target.h"
+#include "hil/base/console.h"
 #include "hil/run/dialog.h"
 #include "hil/scenario/case.h"
 #include "twin/base/signal_map.h"
@@ -36,5 +37,8 @@ struct PreparedJob {
 /// is started at the machine.
 /// @throws planner::PlanError, std::system_error.
 PreparedJob prepareJob(const scenario::Case& test_case);
+
+/// Tells what the controller said in the job's dialog, if it has one, that is no fault and should be known.
+void tellRemarks(const PreparedJob& job, base::Console& console);
 
 }  // namespace kerfbench::run
