@@ -84,7 +84,7 @@ class PinsToVerdict : public testing::Test {
   int runOn(const live::RealPins& real, const fs::path& scenario) const {
     base::Stopwatch stopwatch;
     base::Console console(true);
-    scenario::Case test_case = scenario::readCase(scenario, {});
+    scenario::Case test_case = scenario::readCase(scenario, fs::path());
     test_case.scenario.fidelity = twin::Fidelity::kFast;
     return runOnPins(test_case, real, options(), stopwatch, console);
   }
@@ -101,7 +101,7 @@ class PinsToVerdict : public testing::Test {
   }
   /// Judges the recording of capture; returns the exit code.
   int replay(const ReleasedPins& release, const char* firmware = kFirmware) const {
-    return app::replayCommand(results_.path() / "heard" / "pins.vcd", release.scenario(firmware), {},
+    return app::replayCommand({results_.path() / "heard" / "pins.vcd", release.scenario(firmware), {}, {}},
                               options());
   }
   /// Whether two files are equal. EXPECT_EQ would need all memory to describe how long texts differ.
@@ -175,8 +175,8 @@ TEST_F(PinsToVerdict, KerfPicturesFromBeforeTheCutAreRefusedBeforeAnythingIsOpen
 TEST_F(PinsToVerdict, KerfPicturesThatWereTakenOfTheSheetAreJudgedInAReplayThatTellsWhichTheyWere) {
   EXPECT_EQ(captureOnPins(pins(good_->kernel()), captureOptions(*good_)), 0);
   const auto judged = [&] {
-    return app::replayCommand(results_.path() / "heard" / "pins.vcd", photographed(*good_, kFirmware), {},
-                              options());
+    return app::replayCommand(
+        {results_.path() / "heard" / "pins.vcd", photographed(*good_, kFirmware), {}, {}}, options());
   };
   photograph(*good_);
   EXPECT_EQ(judged(), 0) << verdict("good-pins-replay").at("problems");
@@ -198,7 +198,7 @@ TEST_F(PinsToVerdict, ARunThatCannotBeConcludedKeepsItsRecordingForAReplay) {
   const auto brokenRun = [&] {
     base::Stopwatch stopwatch;
     base::Console console(true);
-    scenario::Case test_case = scenario::readCase(good_->scenario(kFirmware), {});
+    scenario::Case test_case = scenario::readCase(good_->scenario(kFirmware), fs::path());
     test_case.scenario.fidelity = twin::Fidelity::kFast;
     // The break comes while the pins are read: the judge comes later.
     const auto kernel = good_->kernel();
@@ -216,7 +216,7 @@ TEST_F(PinsToVerdict, ARunThatCannotBeConcludedKeepsItsRecordingForAReplay) {
                                  HasSubstr("./bench replay " + (kept / "pins.vcd").string())));
   EXPECT_FALSE(fs::exists(results_.path() / "good-pins"));
   EXPECT_EQ(textOf(kept / "scenario.yaml"), textOf(good_->scenario(kFirmware)));
-  EXPECT_EQ(app::replayCommand(kept / "pins.vcd", good_->scenario(kFirmware), {}, options()), 0);
+  EXPECT_EQ(app::replayCommand({kept / "pins.vcd", good_->scenario(kFirmware), {}, {}}, options()), 0);
   // Later evidence does not replace earlier evidence.
   EXPECT_THAT(brokenRun(), HasSubstr(kept.string() + "-2"));
   EXPECT_TRUE(same(kept / "pins.vcd", results_.path() / "good-pins-capture-2" / "pins.vcd"));
@@ -346,7 +346,7 @@ TEST_F(PinsToVerdict, ASessionBySigrokIsJudgedAsTheRecordingIs) {
         fmt::format("sigrok-cli -I vcd:downsample={} -i '{}' -O srzip -o '{}' >/dev/null 2>&1", every,
                     vcd.string(), session.string());
     EXPECT_EQ(std::system(convert.c_str()), 0);
-    const int code = app::replayCommand(session, release.scenario("{source: native}"), {}, options());
+    const int code = app::replayCommand({session, release.scenario("{source: native}"), {}, {}}, options());
     EXPECT_EQ(source::readSr(session, release.map(), {}).outputs.size(), release.recording().outputs.size());
     return code;
   };
@@ -361,9 +361,9 @@ TEST_F(PinsToVerdict, ASessionThatIsTooCoarseForThePulsesIsInvalid) {
   coarse.outputs = {{1000, 0, 1, 1, 0}, {1001, 0, 1, 0, 0}};
   coarse.end = 20'000;
   source::writeSr(results_.path() / "coarse.sr", coarse, good_->map());
-  EXPECT_EQ(
-      app::replayCommand(results_.path() / "coarse.sr", good_->scenario("{source: native}"), {}, options()),
-      3);
+  EXPECT_EQ(app::replayCommand({results_.path() / "coarse.sr", good_->scenario("{source: native}"), {}, {}},
+                               options()),
+            3);
   EXPECT_THAT(verdict("good-pins-replay").at("problems").get<std::vector<std::string>>(),
               Contains(HasSubstr("100000 Hz is too low for galvo_x_pul: its drive (galvo-pul-dir) takes "
                                  "pulses of 2.5 us, and 4 samples "
@@ -377,7 +377,7 @@ TEST_F(PinsToVerdict, AnAnalysersCaptureIsASessionTooThatIsJudgedAlike) {
   EXPECT_EQ(captureOnPins(real, capture), 0);
   EXPECT_EQ(replay(*good_, kAnalyser), 0);
   const auto by_vcd = verdict("good-pins-replay");
-  EXPECT_EQ(app::replayCommand(capture.out / "pins.sr", good_->scenario(kAnalyser), {}, options()), 0);
+  EXPECT_EQ(app::replayCommand({capture.out / "pins.sr", good_->scenario(kAnalyser), {}, {}}, options()), 0);
   EXPECT_EQ(verdict("good-pins-replay").at("digest"), by_vcd.at("digest"));
   capture.scenario = good_->scenario(kFirmware);
   EXPECT_THROW(captureOnPins(pins(good_->kernel()), capture), base::InputError);

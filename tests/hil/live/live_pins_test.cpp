@@ -76,7 +76,7 @@ class LivePinsTest : public testing::Test {
   /// Expects that a replay of the recording agrees with the live run.
   void expectReplayAgrees(int live_code) {
     const auto recording = options.results_dir / "on-pins" / "pins.vcd";
-    EXPECT_EQ(app::replayCommand(recording, scenario, {}, options), live_code);
+    EXPECT_EQ(app::replayCommand({recording, scenario, {}, {}}, options), live_code);
     EXPECT_EQ(verdict("on-pins-replay")["verdict"], verdict()["verdict"]);
   }
   const base::TempFolder temp;
@@ -126,7 +126,7 @@ TEST_F(LivePinsTest, AGoodReleaseBehindASlowAdapterPasses) {
   EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
   // The declaration of a quicker line is accepted.
   write("  uart_delay_ms: 0\n");
-  EXPECT_EQ(app::replayCommand(options.results_dir / "on-pins" / "pins.vcd", scenario, {}, options), 1);
+  EXPECT_EQ(app::replayCommand({options.results_dir / "on-pins" / "pins.vcd", scenario, {}, {}}, options), 1);
 }
 
 /// Runs that cannot end well: the evidence is INVALID and states why, and a replay of it is INVALID as well.
