@@ -344,6 +344,21 @@ void Machine::runInstructions(std::uint64_t until) {
   service_due_ = true;
 }
 
+/// Whether the firmware has crashed, or speaks at another rate; the result says so then.
+bool Machine::hasFailed(RunResult& result) const {
+  if (avr_->state == cpu_Crashed || !crash_.empty()) {
+    char where[64];
+    std::snprintf(where, sizeof where, "the firmware crashed near address 0x%05x at cycle %llu: ", avr_->pc,
+                  static_cast<unsigned long long>(avr_->cycle));
+    result.stop = KB_PS_CRASHED;
+    result.message = where + (crash_.empty() ? "the program counter left the flash" : crash_);
+  } else if (!misheard_.empty()) {
+    result.stop = KB_PS_MISHEARD;
+    result.message = misheard_;
+  }
+  return result.stop != KB_PS_REACHED;
+}
+
 RunResult Machine::run(std::uint64_t until) {
   RunResult result;
   const auto finish = [&](kb_ps_stop stop, std::string message) {
@@ -362,17 +377,7 @@ RunResult Machine::run(std::uint64_t until) {
       avr_->run = avr_callback_run_raw;
       afterReset();
     }
-    if (avr_->state == cpu_Crashed || !crash_.empty()) {
-      char where[64];
-      std::snprintf(where, sizeof where, "the firmware crashed near address 0x%05x at cycle %llu: ", avr_->pc,
-                    static_cast<unsigned long long>(avr_->cycle));
-      finish(KB_PS_CRASHED, where + (crash_.empty() ? "the program counter left the flash" : crash_));
-      break;
-    }
-    if (!misheard_.empty()) {
-      finish(KB_PS_MISHEARD, misheard_);
-      break;
-    }
+    if (hasFailed(result)) break;
     if (avr_->cycle >= until) break;
     feedInputs();
     if (asleep_ && avr_->state == cpu_Running) {  // simavr wakes in no time.

@@ -91,6 +91,7 @@ class Machine {
   void setByteTime();
   [[nodiscard]] unsigned cyclesPerBit() const;
   void watchUart();
+  [[nodiscard]] bool hasFailed(RunResult& result) const;
   void runTimersTo(std::uint64_t tick);
   void feedInputs();
   void serviceInterrupts();

@@ -34,7 +34,8 @@ class ScenarioKeys : public testing::Test {
            "belt: {profile: [{at_s: 1, speed_mm_s: 61}]}\nlayers: {CUT: cut}\n");
     extend("native/label-on-belt.yaml",
            "firmware: {source: child, child: child.sh, image: controller-native, eeprom: blank}\n");
-    extend("line-ok/plate.yaml", "wires: {galvo_x_pul: X_STEP}\nfirmware: {setup: ['$X'], ahead_bytes: 127}\n");
+    extend("line-ok/plate.yaml",
+           "wires: {galvo_x_pul: X_STEP}\nfirmware: {setup: ['$X'], ahead_bytes: 127}\n");
     extend("pins/plate-on-pins.yaml",
            "firmware: {source: analyser, driver: fx2lafw, samplerate_hz: 24000000, settings: {a: b}}\n");
     extend("pins/label-live.yaml", "firmware: {out_chip: gpiochip1, max_lag_us: 100}\n");
