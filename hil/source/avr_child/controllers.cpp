@@ -37,9 +37,6 @@ std::string namesOf(const avr_t& avr, std::string_view kind) {
   return names;
 }
 
-/// Address of the last register of I/O, below the SRAM.
-std::size_t ioEnd(const avr_t& avr) { return avr.ioend; }
-
 std::string describe(const avr_kind_t& kind) {
   std::string line;
   for (const char* name : kind.names) {
@@ -49,7 +46,8 @@ std::string describe(const avr_kind_t& kind) {
   if (avr == nullptr) return {};
   avr_init(avr);
   for (const std::size_t bytes :
-       {avr->flashend + std::size_t{1}, std::size_t{avr->ramend} - ioEnd(*avr), avr->e2end + std::size_t{1}})
+       {avr->flashend + std::size_t{1}, std::size_t{avr->ramend} - std::size_t{avr->ioend},
+        avr->e2end + std::size_t{1}})
     line += "\t" + std::to_string(bytes);
   line += "\t" + namesOf<avr_ioport_t>(*avr, "port") + "\t" + namesOf<avr_timer_t>(*avr, "timer") + "\t" +
           namesOf<avr_uart_t>(*avr, "uart") + "\n";
@@ -87,7 +85,9 @@ std::string describeControllers(const std::string& name) {
   for (avr_kind_t** kind = avr_kind; *kind != nullptr; ++kind) {
     const bool is_asked =
         std::ranges::any_of((*kind)->names, [&](const char* own) { return own != nullptr && name == own; });
-    if (is_asked) return describeApart(**kind);
+    if (!is_asked) continue;
+    const std::string line = describeApart(**kind);
+    if (!line.empty()) return line;
   }
   for (avr_kind_t** kind = avr_kind; *kind != nullptr; ++kind) lines.push_back(describeApart(**kind));
   std::ranges::sort(lines);

@@ -217,8 +217,7 @@ void Machine::setByteTime() {
 void Machine::watchUart() {
   if (!misheard_.empty()) return;
   constexpr double kMostOff = 0.5 / 9.5;
-  const auto bits =
-      static_cast<unsigned>(uart_->cycles_per_byte / (cyclesPerBit() == 0 ? 1 : cyclesPerBit()));
+  const auto bits = static_cast<unsigned>(uart_->cycles_per_byte / cyclesPerBit());
   const double rate = static_cast<double>(options_.clock_hz) / static_cast<double>(cyclesPerBit());
   const double asked = options_.baud;
   char text[160] = "";

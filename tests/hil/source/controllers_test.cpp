@@ -42,6 +42,13 @@ TEST(Controllers, AllAreTheAnswerToANameThatNoneHas) {
   EXPECT_EQ(mega->flash_bytes, 262144U);
 }
 
+// simavr falls over its own tables of this one.
+TEST(Controllers, OneThatTheEmulatorCannotStartIsNone) {
+  const auto all = emulatedControllers(KERFBENCH_AVR_CHILD, "atmega64m1");
+  EXPECT_GE(all.size(), 20U);
+  EXPECT_FALSE(std::ranges::any_of(all, [](const Controller& c) { return c.isCalled("atmega64m1"); }));
+}
+
 TEST(Controllers, ThePageListsThemAll) {
   const std::string page =
       base::contentOf(std::filesystem::path(KERFBENCH_SOURCE_DIR) / "docs/reference/avr-controllers.md");
