@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: Apache-2.0 */
+/* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-or-later */
 /* The pin-stream protocol between the bench and a child process that runs a firmware image: an emulator, a
  * native build, or any program that speaks this page. Plain C, no dependency, so that a child under any
  * licence can use it.

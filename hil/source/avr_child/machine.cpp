@@ -44,7 +44,7 @@ avr_cycle_count_t onHorizon(avr_t* /*avr*/, avr_cycle_count_t /*when*/, void* /*
 
 }  // namespace
 
-Machine::Machine(const MachineOptions& options) : options_(options) {
+Machine::Machine(const emulator::OpenRequest& options) : options_(options) {
   if (options.clock_hz == 0 || options.clock_hz > 100'000'000 || options.baud == 0 ||
       options.baud > options.clock_hz / kBitsPerByte) {
     throw std::runtime_error("clock or baud rate out of range");
@@ -55,7 +55,7 @@ Machine::Machine(const MachineOptions& options) : options_(options) {
   if (avr_ == nullptr) throw std::runtime_error("simavr has no controller '" + options.mcu + "'");
   const std::size_t eeprom_size = avr_->e2end + 1U;
   Image image = readImage(options.image_path, avr_->flashend + 1U, eeprom_size);
-  if (options.eeprom == "blank") {
+  if (options.eeprom == emulator::kBlankEeprom) {
     image.eeprom.clear();
   } else if (!options.eeprom.empty()) {
     image.eeprom = readEeprom(options.eeprom, eeprom_size);
@@ -252,6 +252,12 @@ void Machine::onLog(avr_t* avr, int level, const char* format, va_list arguments
     g_machine->crash_ = line;
     avr->run_cycle_count = 0;
   }
+}
+
+emulator::Clock Machine::clock() const {
+  constexpr std::uint32_t kStampError =
+      2;  // The store's cycle inside its instruction, and the interrupt's latency.
+  return {1, options_.clock_hz, kStampError};
 }
 
 std::string Machine::configuration() const {

@@ -15,26 +15,13 @@
 #include "hil/source/avr_child/image.h"
 #include "hil/source/avr_child/pins.h"
 #include "hil/source/avr_child/timer_shim.h"
+#include "hil/source/emulator/emulator.h"
 #include "hil/source/pin_stream.h"
 
 namespace kerfbench::avr_child {
 
-struct MachineOptions {
-  std::string mcu;
-  std::string image_path;
-  std::string eeprom;  ///< File, or "blank"; empty: what the image says of it.
-  std::uint64_t clock_hz{};
-  std::uint32_t baud{};
-  std::uint64_t max_events{};
-};
-
-struct RunResult {
-  kb_ps_stop stop{KB_PS_REACHED};
-  std::uint64_t watermark{};
-  std::vector<PinEvent> events;
-  std::vector<std::uint8_t> uart;
-  std::string message;
-};
+using emulator::PinEvent;
+using emulator::RunResult;
 
 /// A microcontroller under simavr, stepped so that nothing depends on how a run is cut into quanta.
 ///
@@ -42,19 +29,19 @@ struct RunResult {
 /// instruction that passed it, an interrupt costs its entry cycles, sleep ends on the very cycle, and an
 /// instruction that runs over the end of a quantum leaves its after-work to the next quantum. One Machine per
 /// process (simavr's logger is global).
-class Machine {
+class Machine : public emulator::Emulator {
  public:
   /// @throws std::runtime_error if the controller is not known or the image is not fit to run.
-  explicit Machine(const MachineOptions& options);
-  ~Machine();
+  explicit Machine(const emulator::OpenRequest& options);
+  ~Machine() override;
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
 
-  /// Everything that decides about an event's tick.
-  [[nodiscard]] std::string configuration() const;
-  void drive(std::uint64_t tick, std::uint16_t port, std::uint16_t bit, bool level);
-  void send(std::span<const std::uint8_t> bytes);
-  RunResult run(std::uint64_t until);
+  [[nodiscard]] emulator::Clock clock() const override;
+  [[nodiscard]] std::string configuration() const override;
+  void drive(std::uint64_t tick, std::uint16_t port, std::uint16_t bit, bool level) override;
+  void send(std::span<const std::uint8_t> bytes) override;
+  RunResult run(std::uint64_t until) override;
 
  private:
   struct Input {
@@ -99,7 +86,7 @@ class Machine {
   void runInstructions(std::uint64_t until);
   [[nodiscard]] std::uint64_t nextInput() const;
 
-  MachineOptions options_;
+  emulator::OpenRequest options_;
   avr_t* avr_{};
   std::unique_ptr<Pins> pins_;
   std::vector<std::unique_ptr<TimerShim>> timers_;

@@ -9,15 +9,11 @@
 #include <memory>
 #include <vector>
 
+#include "hil/source/emulator/emulator.h"
+
 namespace kerfbench::avr_child {
 
-/// One event of the pin stream.
-struct PinEvent {
-  std::uint64_t tick{};
-  std::uint16_t port{};
-  std::uint16_t changed{};
-  std::uint16_t level{};
-};
+using emulator::PinEvent;
 
 /// Controller's pins, port by port.
 ///

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-or-later
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace kerfbench::avr_child {
+namespace kerfbench::emulator {
 
 /// The bench has closed its end: time to go.
 class EndOfRequests : public std::runtime_error {
@@ -85,4 +85,4 @@ inline void putText(std::vector<std::uint8_t>& out, std::string_view text) {
   out.insert(out.end(), text.begin(), text.end());
 }
 
-}  // namespace kerfbench::avr_child
+}  // namespace kerfbench::emulator

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include "hil/source/avr_child/wire.h"
+// SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-or-later
+#include "hil/source/emulator/wire.h"
 
 #include <unistd.h>
 
@@ -9,7 +9,7 @@
 
 #include "hil/source/pin_stream.h"
 
-namespace kerfbench::avr_child {
+namespace kerfbench::emulator {
 namespace {
 
 void writeAll(int fd, std::span<const std::uint8_t> bytes) {
@@ -67,4 +67,4 @@ void writeMessage(int fd, std::uint8_t type, const std::vector<std::uint8_t>& pa
   writeAll(fd, frame);
 }
 
-}  // namespace kerfbench::avr_child
+}  // namespace kerfbench::emulator

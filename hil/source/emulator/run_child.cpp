@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-or-later
+#include "hil/source/emulator/run_child.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+#include <vector>
+
+#include "hil/source/emulator/wire.h"
+
+namespace kerfbench::emulator {
+namespace {
+
+void limit(int resource, rlim_t value) {
+  const rlimit both{value, value};
+  (void)::setrlimit(static_cast<__rlimit_resource>(resource), &both);
+}
+
+// An untrusted image runs in this process: let a fault of the emulator not grow into more.
+void confine() {
+  (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  (void)::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  (void)::signal(SIGPIPE, SIG_IGN);
+  (void)::signal(SIGXFSZ, SIG_IGN);
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_FSIZE, 0);
+#ifndef KERFBENCH_SANITIZED  // The sanitizers' shadow alone takes terabytes of addresses.
+  constexpr rlim_t kMaxAddressSpace = 1U << 30U;
+  limit(RLIMIT_AS, kMaxAddressSpace);
+#endif
+}
+
+std::vector<std::uint8_t> hello(const Emulator& emulator) {
+  const Clock clock = emulator.clock();
+  std::vector<std::uint8_t> out;
+  putInteger<std::uint32_t>(out, KB_PS_VERSION);
+  putInteger(out, clock.tick_num);
+  putInteger(out, clock.tick_den);
+  putInteger(out, clock.stamp_error_ticks);
+  putText(out, emulator.configuration());
+  return out;
+}
+
+std::vector<std::uint8_t> batch(const RunResult& run) {
+  std::vector<std::uint8_t> out;
+  out.reserve(32 + run.events.size() * 16 + run.uart.size() + run.message.size());
+  putInteger(out, static_cast<std::uint8_t>(run.stop));
+  putInteger(out, run.watermark);
+  putInteger(out, static_cast<std::uint32_t>(run.events.size()));
+  for (const auto& event : run.events) {
+    putInteger(out, event.tick);
+    putInteger(out, event.port);
+    putInteger(out, event.changed);
+    putInteger(out, event.level);
+    putInteger(out, std::uint16_t{0});
+  }
+  putInteger(out, static_cast<std::uint32_t>(run.uart.size()));
+  out.insert(out.end(), run.uart.begin(), run.uart.end());
+  putText(out, run.message);
+  return out;
+}
+
+OpenRequest openRequest(const Message& request) {
+  if (request.type != KB_PS_OPEN) throw std::runtime_error("the first request must be OPEN");
+  FieldReader in(request.payload);
+  const auto version = in.integer<std::uint32_t>();
+  if (version != KB_PS_VERSION)
+    throw std::runtime_error("protocol version " + std::to_string(version) + " is not known");
+  OpenRequest asked;
+  asked.clock_hz = in.integer<std::uint64_t>();
+  asked.baud = in.integer<std::uint32_t>();
+  // What fits into a reply.
+  asked.max_events =
+      std::min<std::uint64_t>(in.integer<std::uint64_t>(), (KB_PS_MAX_PAYLOAD - (1U << 20U)) / 16);
+  asked.mcu = in.text();
+  asked.image_path = in.text();
+  if (!in.atEnd()) asked.eeprom = in.text();
+  in.finish();
+  return asked;
+}
+
+void replyText(int out_fd, kb_ps_reply type, std::string_view text) {
+  std::vector<std::uint8_t> out;
+  putText(out, text);
+  writeMessage(out_fd, static_cast<std::uint8_t>(type), out);
+}
+
+void drive(Emulator& emulator, const Message& request) {
+  FieldReader in(request.payload);
+  const auto tick = in.integer<std::uint64_t>();
+  const auto port = in.integer<std::uint16_t>();
+  const auto bit = in.integer<std::uint16_t>();
+  const auto level = in.integer<std::uint8_t>();
+  in.finish();
+  emulator.drive(tick, port, bit, level != 0);
+}
+
+/// Answers requests until QUIT, or until the firmware's end.
+void answer(Emulator& emulator, Requests& requests, int out_fd) {
+  for (;;) {
+    const Message request = requests.next();
+    switch (request.type) {
+      case KB_PS_DRIVE:
+        drive(emulator, request);
+        break;
+      case KB_PS_UART:
+        emulator.send(request.payload);
+        break;
+      case KB_PS_ADVANCE: {
+        FieldReader in(request.payload);
+        const auto until = in.integer<std::uint64_t>();
+        in.finish();
+        const RunResult run = emulator.run(until);
+        writeMessage(out_fd, KB_PS_BATCH, batch(run));
+        if (run.stop != KB_PS_REACHED) return;
+        break;
+      }
+      case KB_PS_QUIT:
+        return;
+      default:
+        throw std::runtime_error("request " + std::to_string(request.type) + " is not known");
+    }
+  }
+}
+
+void serve(int in_fd, int out_fd, const Opener& open, const Describer& describe) {
+  std::unique_ptr<Emulator> emulator;
+  Requests requests(in_fd);
+  try {
+    const Message first = requests.next();
+    if (first.type == KB_PS_DESCRIBE) {
+      FieldReader in(first.payload);
+      const std::string name = in.text();
+      in.finish();
+      replyText(out_fd, KB_PS_DESCRIPTION, describe(name));
+      return;
+    }
+    emulator = open(openRequest(first));
+  } catch (const EndOfRequests&) {
+    throw;
+  } catch (const std::exception& fault) {
+    replyText(out_fd, KB_PS_ERROR, fault.what());
+    return;
+  }
+#ifndef KERFBENCH_SANITIZED
+  limit(RLIMIT_NOFILE, 3);  // The image is read: no file or socket can be opened from here on.
+#endif
+  writeMessage(out_fd, KB_PS_HELLO, hello(*emulator));
+  answer(*emulator, requests, out_fd);
+}
+
+}  // namespace
+
+int runChild(std::string_view program, const Opener& open, const Describer& describe) {
+  const std::string name(program);
+  // A library may print to standard output: keep the protocol's descriptors to ourselves.
+  const int in_fd = ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
+  const int out_fd = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+  const int null_fd = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (in_fd < 0 || out_fd < 0 || null_fd < 0 || ::dup2(null_fd, STDIN_FILENO) < 0 ||
+      ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) {
+    std::perror(name.c_str());
+    return 1;
+  }
+  ::close(null_fd);
+  confine();
+  try {
+    serve(in_fd, out_fd, open, describe);
+  } catch (const EndOfRequests&) {
+    return 0;
+  } catch (const std::exception& fault) {
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), fault.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace kerfbench::emulator

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "hil/source/emulator/emulator.h"
+
+namespace kerfbench::emulator {
+
+/// Makes the emulator with the image loaded. @throws std::exception if it cannot; its words go to the bench.
+using Opener = std::function<std::unique_ptr<Emulator>(const OpenRequest&)>;
+/// Answers DESCRIBE: the controller of a name, or all where none is called so, one a line. Fields with tabs
+/// between them: names with blanks between them; bytes of flash, of SRAM, of EEPROM; letters of its ports;
+/// digits of its timers; of its UARTs.
+using Describer = std::function<std::string(const std::string& name)>;
+
+/// The main function of a child: serves the requests on file descriptor 0 until QUIT, with replies on 1.
+/// What a library prints to standard output goes to standard error. The image is not trusted: no privileges
+/// are gained, at most 1 GiB of memory is taken, and no file is opened once it is loaded.
+/// @param program name of the program in messages. @return exit code of the program.
+int runChild(std::string_view program, const Opener& open, const Describer& describe);
+
+}  // namespace kerfbench::emulator
