@@ -30,18 +30,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string sourceName(scenario::FirmwareChoice::Source source) {
-  switch (source) {
-    case scenario::FirmwareChoice::Source::kAvr:
-      return "AVR emulator";
-    case scenario::FirmwareChoice::Source::kNative:
-      return "native build";
-    case scenario::FirmwareChoice::Source::kChild:
-    case scenario::FirmwareChoice::Source::kGpio:  // Have no image; see runOnPins().
-    case scenario::FirmwareChoice::Source::kAnalyser:
-      break;
-  }
-  return "child process";
+std::string sourceName(const scenario::FirmwareChoice& firmware) {
+  if (const scenario::Emulator* emulator = firmware.emulator())
+    return fmt::format("{} emulator", emulator->runs);
+  return firmware.source == scenario::FirmwareChoice::Source::kNative ? "native build" : "child process";
 }
 
 scenario::Case caseWithOptions(const fs::path& path, const fs::path& image,
@@ -105,9 +97,8 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   run::ModelMachine machine(test_case, sampled, info.rate, run::modelOptions(test_case));
   const std::unique_ptr<judge::SpotWatch> spot_watch =
       judge::SpotWatch::of(test_case, machine, info.rate, options.jobs);
-  run::LockstepOptions lockstep;
+  run::LockstepOptions lockstep = run::lockstepFor(scenario);
   lockstep.heard = judge::heardBy(spot_watch.get());
-  lockstep.time_limit_s = scenario.time_limit_s;
   const bool provoked = scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
   run::Provocation provocation(scenario.provoke, info.rate, scenario.seed);
   if (provoked) {
@@ -121,8 +112,8 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
 
   judge::Conclusion conclusion;
   conclusion.folder_name = scenario.name;
-  conclusion.firmware = fmt::format("{} ({})", scenario.firmware.image.filename().string(),
-                                    sourceName(scenario.firmware.source));
+  conclusion.firmware =
+      fmt::format("{} ({})", scenario.firmware.image.filename().string(), sourceName(scenario.firmware));
   conclusion.source_id = info.config_id;
   conclusion.sampled = &sampled;
   conclusion.machine = &machine;

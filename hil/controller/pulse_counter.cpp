@@ -28,26 +28,28 @@ Signal dirOf(Signal pul) { return static_cast<Signal>(static_cast<std::size_t>(p
 
 template <class Take>
 void PulseCounter::forEachPulse(const Axis& axis, Take take) const {
-  bool forwards = false;
+  bool dir = false;
   Pulse pulse;
   for (const PinEvent& event : outputs_.streamed()) {
-    if (event.port == axis.dir_pin.port) forwards = (event.level >> axis.dir_pin.bit & 1U) != 0;
-    const bool rises = event.port == axis.pul_pin.port && (event.changed >> axis.pul_pin.bit & 1U) != 0 &&
-                       (event.level >> axis.pul_pin.bit & 1U) != 0;
-    if (!rises) continue;
+    if (event.port == axis.dir_pin.port) dir = (event.level >> axis.dir_pin.bit & 1U) != 0;
+    const bool changes = event.port == axis.pul_pin.port && (event.changed >> axis.pul_pin.bit & 1U) != 0;
+    const bool high = (event.level >> axis.pul_pin.bit & 1U) != 0;
+    if (!changes || high != axis.drive.active_edge_rising) continue;
     pulse.tick = event.tick;
-    pulse.place += forwards ? 1 : -1;
+    pulse.place += axis.drive.senseOf(dir);
     if (!take(pulse)) return;
   }
 }
 
-PulseCounter::PulseCounter(const source::PinRecording& recording, const SignalMap& map)
+PulseCounter::PulseCounter(const source::PinRecording& recording, const SignalMap& map,
+                           std::span<const DriveOfPul> drives)
     : rate_(recording.rate), outputs_(recording.outputs) {
   for (const Signal signal : kPuls) {
     const auto pul = map.pin(signal);
     const auto dir = map.pin(dirOf(signal));
     if (!pul || !dir) continue;
-    Axis axis{signal, *pul, *dir};
+    const auto drive = std::ranges::find(drives, signal, &DriveOfPul::first);
+    Axis axis{signal, *pul, *dir, drive == drives.end() ? DriverProfile{} : drive->second};
     forEachPulse(axis, [&](const Pulse& pulse) {
       axis.net = pulse.place;
       last_pulse_s_ = std::max(last_pulse_s_, rate_.seconds(pulse.tick));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "hil/inspect/verdict/controller_account.h"
 #include "hil/source/encoder_edges.h"
 #include "hil/source/vcd.h"
+#include "twin/base/pulse_timing.h"
 
 namespace kerfbench::controller {
 
@@ -18,17 +20,22 @@ struct UartTiming {
   double read_delay_s{};  ///< Longest time from a byte's arrival to its stamp, the time of reading; >= 0.
 };
 
+/// What the drive behind a PUL makes of its lines; those of which nothing is said step on the rising edge,
+/// and forwards while DIR is high.
+using DriveOfPul = std::pair<Signal, DriverProfile>;
+
 /// Sums over the pins of a run, from the recording alone, without the twin.
 class PulseCounter {
  public:
   /// Counts a recording whose sensors and outputs are sorted by tick.
-  PulseCounter(const source::PinRecording& recording, const SignalMap& map);
+  PulseCounter(const source::PinRecording& recording, const SignalMap& map,
+               std::span<const DriveOfPul> drives = {});
 
-  /// Time of the last rising edge of any PUL; < 0: none.
+  /// Time of the last active edge of any PUL; < 0: none.
   [[nodiscard]] double lastPulse_s() const { return last_pulse_s_; }
-  /// Time of the rising edge number `count` (from 1) of this PUL; NaN if it never came.
+  /// Time of the active edge number `count` (from 1) of this PUL; NaN if it never came.
   [[nodiscard]] double pulse_s(Signal pul, long long count) const;
-  /// Time of the first rising edge of this PUL that leaves its axis outside of [low, high] steps from where
+  /// Time of the first active edge of this PUL that leaves its axis outside of [low, high] steps from where
   /// the recording found it; NaN if none does.
   [[nodiscard]] double leaves_s(Signal pul, long long low, long long high) const;
   /// The first time at which A made the belt look faster than this over `span_s`; NaN if never.
@@ -41,9 +48,10 @@ class PulseCounter {
   struct Axis {
     Signal pul{};
     PinId pul_pin, dir_pin;
+    DriverProfile drive;
     long long net{};
   };
-  /// A rising edge of a PUL.
+  /// An active edge of a PUL.
   struct Pulse {
     Tick tick{};
     long long place{};  ///< Steps from the start, after it.

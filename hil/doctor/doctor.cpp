@@ -68,10 +68,7 @@ void lookAtPins(const scenario::GpioChoice& choice, const ComputerState& state,
 
 void lookAtRelease(const scenario::FirmwareChoice& firmware, const fs::path& bin_dir,
                    std::vector<DoctorFinding>& findings) {
-  const bool avr = firmware.source == scenario::FirmwareChoice::Source::kAvr;
-  const fs::path program = avr ? bin_dir / "kerfbench-avr"
-                           : firmware.source == scenario::FirmwareChoice::Source::kChild ? firmware.child
-                                                                                         : firmware.image;
+  const fs::path program = firmware.childIn(bin_dir);
   const bool there = fs::is_regular_file(program);
   findings.push_back(
       {there ? Grade::kGood : Grade::kMissing,

@@ -19,7 +19,7 @@ std::int32_t CountedSteps::Axis::stepBy(const PinEvent& event) {
   if (high == pul_high) return 0;
   pul_high = high;
   if (high != rising) return 0;
-  return isHigh(dir_port, dir) ? 1 : -1;
+  return isHigh(dir_port, dir) != dir_low ? 1 : -1;
 }
 
 std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& wiring) {
@@ -35,6 +35,7 @@ std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& w
     axis.pul = *pul;
     axis.dir = *dir;
     axis.rising = drive.profile.active_edge_rising;
+    axis.dir_low = drive.profile.dir_low;
   }
   return counted;
 }

@@ -14,8 +14,8 @@
 
 namespace kerfbench::evidence {
 
-/// The steps of two axes that the pins have asked for, over time: DIR high counts up, as all drives of the
-/// bench have it. Nothing says here whether a drive has followed.
+/// The steps of two axes that the pins have asked for, over time, with the sense that their drives give to
+/// DIR (DriverProfile::senseOf). Nothing says here whether a drive has followed.
 class CountedSteps {
  public:
   using Steps = std::array<std::int32_t, 2>;
@@ -45,6 +45,7 @@ class CountedSteps {
   struct Axis {
     PinId pul, dir;
     bool rising{};
+    bool dir_low{};
     bool pul_high{};
     std::uint16_t pul_port{}, dir_port{};  ///< Levels of their ports.
     /// The step, if any, that a write brings.

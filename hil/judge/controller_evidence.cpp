@@ -11,6 +11,7 @@
 #include "hil/controller/pulse_counter.h"
 #include "hil/controller/uart_listener.h"
 #include "hil/judge/safe_demand.h"
+#include "hil/scenario/pul_axes.h"
 
 namespace kerfbench::judge {
 namespace {
@@ -30,6 +31,13 @@ std::string strayWords(const scenario::FirmwareChoice& firmware, const controlle
       ear.strayBytes());
 }
 
+controller::PulseCounter pulsesOf(const scenario::Case& test_case, const source::PinRecording& recording) {
+  std::vector<controller::DriveOfPul> drives;
+  for (const auto& [pul, axis] : scenario::pulAxes(test_case.machine))
+    drives.emplace_back(pul, axis->profile);
+  return {recording, test_case.machine.signals, drives};
+}
+
 /// Adds the problem to run and recording, unless it is there: a replay has it already.
 void addProblem(const std::string& problem, run::RecordedRun& run) {
   if (problem.empty()) return;
@@ -44,7 +52,7 @@ std::string unprovenDialog(const scenario::Case& test_case, const source::PinRec
                            const run::RecordedRun& run) {
   if (test_case.scenario.firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench)
     return run.dialog.reason;
-  const controller::PulseCounter pins(recording, test_case.machine.signals);
+  const controller::PulseCounter pins = pulsesOf(test_case, recording);
   return controller::unprovenEnd(
       controller::controllerEnd(controller::UartListener(recording), pins, recording), run.dialog,
       run.problems.empty());
@@ -58,7 +66,7 @@ void collectControllerEvidence(const scenario::Case& test_case, const run::Prepa
     addProblem(run.dialog.reason, run);
     return;
   }
-  const controller::PulseCounter pins(recording, test_case.machine.signals);
+  const controller::PulseCounter pins = pulsesOf(test_case, recording);
   const controller::UartListener ear(recording);
   conclusion.words.account = pins.compareWithReport(
       ear.account(),

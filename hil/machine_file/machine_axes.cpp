@@ -139,6 +139,14 @@ void readTransmissionSpring(base::YamlReader& axis, Load load, AxisDescription& 
   }
 }
 
+/// Levels of PUL and DIR where the axis has them otherwise than the catalogue's driver: by its wiring, or a
+/// switch on the drive.
+void readPolarity(base::YamlReader& axis, DriverProfile& profile) {
+  const char* const usual = profile.active_edge_rising ? "rising" : "falling";
+  profile.active_edge_rising = axis.choice("active_edge", {"rising", "falling"}, usual) == "rising";
+  profile.dir_low = axis.boolean("dir_low", false);
+}
+
 }  // namespace
 
 twin::FrictionDescription readFriction(base::YamlReader friction, Load load) {
@@ -165,6 +173,7 @@ twin::AxisDescription readAxis(base::YamlReader axis, Load load, const DriveCata
   } else if (!driver.empty()) {
     axis.fault("driver", fmt::format("no driver '{}' in the catalogue of drives", driver));
   }
+  readPolarity(axis, result.profile);
   result.load_per_motor = readTransmission(axis, load);
   result.load_inertia =
       load == Load::kBelt ? roller_inertia_kg_m2

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -13,17 +14,13 @@ namespace {
 
 using twin::MachineDescription;
 
+/// "PA0": letter of the port and bit; "P1.0", as an 8051 has it: number of the port and bit.
 std::optional<PinId> pinFromName(const std::string& name) {
-  // "PA0": port letter and bit.
-  if (name.size() < 3 || name.size() > 4 || name[0] != 'P' || name[1] < 'A' || name[1] > 'Z')
-    return std::nullopt;
-  int bit = 0;
-  for (const char c : name.substr(2)) {
-    if (c < '0' || c > '9') return std::nullopt;
-    bit = 10 * bit + (c - '0');
-  }
-  if (bit > 15) return std::nullopt;
-  return PinId{static_cast<std::uint16_t>(name[1] - 'A'), static_cast<std::uint16_t>(bit)};
+  static const std::regex kPin("P(?:([A-Z])|([0-9])\\.)([0-9]|1[0-5])");
+  std::smatch match;
+  if (!std::regex_match(name, match, kPin)) return std::nullopt;
+  const int port = match[1].matched ? *match[1].first - 'A' : *match[2].first - '0';
+  return PinId{static_cast<std::uint16_t>(port), static_cast<std::uint16_t>(std::stoi(match[3]))};
 }
 
 // What no machine of this kind can do without; a pin that is forgotten would look like a firmware that is
@@ -56,7 +53,7 @@ SignalMap readPins(base::YamlReader pins, MachineDescription::Kind kind) {
     const std::string pin_name = pins.text(name);
     const auto pin = pinFromName(pin_name);
     if (!pin) {
-      pins.fault(name, fmt::format("'{}' is no pin like PA0", pin_name));
+      pins.fault(name, fmt::format("'{}' is no pin like PA0 or P1.0", pin_name));
     } else if (!users.emplace(*pin, name).second) {
       pins.fault(name,
                  fmt::format("{} is given to {} and to {}{}", pin_name, users[*pin], name,

@@ -44,13 +44,18 @@ std::string unknown(const std::string& mcu, const std::vector<Controller>& all) 
 void holdPins(const scenario::Case& test_case, const Controller& controller, Faults& faults) {
   std::string ports;
   for (const char port : controller.ports) ports += fmt::format("{}P{}", ports.empty() ? "" : ", ", port);
+  auto file = base::YamlReader::openFile(test_case.scenario.machine);
+  base::YamlReader pins = file.section("pins");
   for (std::size_t i = 0; i < kSignalCount; ++i) {
     const auto signal = static_cast<Signal>(i);
     const auto pin = test_case.machine.signals.pin(signal);
-    if (!pin || controller.hasPin(*pin)) continue;
+    if (!pin) continue;
+    // The name as it was written: P1.0 is no name of a pin of an AVR, and PB0 none of an 8051.
+    const std::string name = pins.text(signalName(signal));
+    if (controller.hasPin(*pin) && controller.nameOf(*pin) == name) continue;
     faults.add(test_case.scenario.machine, "pins", signalName(signal),
-               fmt::format("an {} has no {}: its ports are {}, with bits 0 to 7",
-                           test_case.scenario.firmware.mcu, source::pinName(*pin), ports));
+               fmt::format("an {} has no {}: its ports are {}, with bits 0 to {}",
+                           test_case.scenario.firmware.mcu, name, ports, controller.port_bits - 1));
   }
 }
 
@@ -58,8 +63,8 @@ void holdPins(const scenario::Case& test_case, const Controller& controller, Fau
 
 void refuseUnfitController(const scenario::Case& test_case, const std::filesystem::path& bin_dir) {
   const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
-  if (firmware.source != scenario::FirmwareChoice::Source::kAvr) return;
-  const std::filesystem::path child = bin_dir / "kerfbench-avr";
+  if (firmware.emulator() == nullptr) return;
+  const std::filesystem::path child = firmware.childIn(bin_dir);
   if (!std::filesystem::exists(child)) return;  // A run says so.
   const std::vector<Controller> all = source::emulatedControllers(child, firmware.mcu);
   const auto controller =
@@ -70,11 +75,14 @@ void refuseUnfitController(const scenario::Case& test_case, const std::filesyste
     faults.refuse();
   }
   holdPins(test_case, *controller, faults);
-  if (firmware.dialog != scenario::FirmwareChoice::Dialog::kNone &&
-      controller->uarts.find('0') == std::string::npos)
-    faults.add(
-        test_case.scenario.path, "firmware", "mcu",
-        fmt::format("the emulator has no UART 0 of an {}, by which the bench talks to it", firmware.mcu));
+  // The AVR child talks by UART 0 alone, the others by the first that the controller has.
+  const bool by_uart_0 = firmware.source == scenario::FirmwareChoice::Source::kAvr;
+  const bool can_talk =
+      by_uart_0 ? controller->uarts.find('0') != std::string::npos : !controller->uarts.empty();
+  if (firmware.dialog != scenario::FirmwareChoice::Dialog::kNone && !can_talk)
+    faults.add(test_case.scenario.path, "firmware", "mcu",
+               fmt::format("the emulator has no UART{} of an {}, by which the bench talks to it",
+                           by_uart_0 ? " 0" : "", firmware.mcu));
   faults.refuse();
 }
 

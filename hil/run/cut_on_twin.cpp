@@ -52,9 +52,7 @@ CutSheet cutOnTwin(const scenario::Case& test_case, const std::filesystem::path&
   const auto source = openRelease(scenario.firmware, bin_dir);
   cut.machine =
       std::make_unique<ModelMachine>(test_case, cut.sampled, source->info().rate, modelOptions(test_case));
-  LockstepOptions lockstep;
-  lockstep.time_limit_s = scenario.time_limit_s;
-  cut.run = cut.machine->run(*source, job.dialog.get(), lockstep, progress);
+  cut.run = cut.machine->run(*source, job.dialog.get(), lockstepFor(scenario), progress);
   return cut;
 }
 

@@ -107,7 +107,11 @@ std::vector<AxisPulses> pulsesOf(const planner::Program& program) {
 PreparedJob prepareJob(const scenario::Case& test_case) {
   PreparedJob job;
   if (test_case.scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kNone) {
-    job.summary = "the job is started at the machine";
+    const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
+    job.summary = firmware.onRealPins() ? "the job is started at the machine"
+                  : firmware.start_s ? fmt::format("the controller's own job, started by its button at {} s",
+                                                   *firmware.start_s)
+                                     : "the controller's own job, which starts by itself";
     return job;
   }
   if (test_case.scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kLineOk) {

@@ -120,7 +120,9 @@ class Lockstep {
       if (!advance()) break;
       talk();
       if (progress && round % 100 == 0)
-        progress(info_.rate.seconds(now_), dialog_ != nullptr ? dialog_->message() : "replaying");
+        progress(info_.rate.seconds(now_), dialog_ != nullptr   ? dialog_->message()
+                                           : options_.by_itself ? "the controller's own job"
+                                                                : "replaying");
     }
     gaps_.tell(result_.problems);
     addTimeLimit();
@@ -135,16 +137,20 @@ class Lockstep {
     if (info_.accepts_input) {
       std::vector<SensorEdge> edges = model_.predictSensors(until);
       if (options_.provocation != nullptr) options_.provocation->changeSensors(edges, now_, until);
+      if (options_.by_itself) pressStart(edges, until);
       sendSensors(source_, edges, map_, result_.recording);
     }
-    const source::Stop stop = source_.advance(until, batch_);
+    const source::Stop stop = halted_ ? rest(until) : source_.advance(until, batch_);
     now_ = batch_.watermark;
     if (hasGap(batch_.events)) gaps_.add(info_.rate.seconds(now_));
     if (options_.heard) options_.heard(now_, batch_.events);
     model_.advance(now_, batch_.events);
     result_.recording.outputs.append(batch_.events);
     ended_ = stop == source::Stop::kEnded;
-    if (ended_ && dialog_ == nullptr) return false;
+    // A job of its own may end in a halt, and the machine still swings out.
+    halted_ = ended_ && options_.by_itself && isStarted();
+    if (halted_) return true;
+    if (ended_ && dialog_ == nullptr && !options_.by_itself) return false;
     if (stop == source::Stop::kReached) return true;
     spoil(describe(stop, source_, info_.rate.seconds(now_)), result_);
     return false;
@@ -154,7 +160,10 @@ class Lockstep {
   void talk() {
     const double now_s = info_.rate.seconds(now_);
     if (!batch_.uart.empty()) result_.recording.uart.push_back({batch_.uart_received, batch_.uart});
-    if (dialog_ == nullptr) return;
+    if (dialog_ == nullptr) {
+      if (options_.by_itself) watchJob();
+      return;
+    }
     if (finishing_) return waitForQuiet();
     auto answer = dialog_->step(batch_.uart, now_s);
     if (options_.provocation != nullptr) answer = options_.provocation->toController(answer, now_s);
@@ -167,6 +176,34 @@ class Lockstep {
     if (!finishing_) return;
     const bool has_failed = dialog_->state() == Dialog::State::kFailed;
     endIn(std::max(options_.settle_s, has_failed ? 0.0 : dialog_->quiet_s()));
+  }
+
+  [[nodiscard]] bool isStarted() const { return finishing_ || isPulsed(batch_.events, map_); }
+
+  /// In place of a controller that has halted.
+  source::Stop rest(Tick until) {
+    batch_ = {};
+    batch_.watermark = until;
+    return source::Stop::kEnded;
+  }
+
+  void pressStart(std::vector<SensorEdge>& edges, Tick until) const {
+    if (!options_.by_itself->press_s) return;
+    const double press_s = *options_.by_itself->press_s;
+    for (const auto& [time_s, level] : {std::pair{press_s, true}, {press_s + SelfStart::kPressed_s, false}}) {
+      const Tick tick = info_.rate.ticksAt(time_s);
+      if (tick <= now_ || tick > until) continue;
+      edges.insert(std::ranges::upper_bound(edges, tick, {}, &SensorEdge::tick),
+                   {tick, Signal::kStart, level});
+    }
+  }
+
+  /// A job that nobody has sent begins with its first pulse, and is over when the head has been quiet.
+  void watchJob() {
+    if (!isPulsed(batch_.events, map_)) return;
+    finishing_ = true;
+    endIn(options_.by_itself->quiet_s);
+    pulsed_at_limit_ = end_ == limit_;
   }
 
   /// A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
@@ -192,9 +229,12 @@ class Lockstep {
                         options_.time_limit_s),
             result_);
     }
-    if (dialog_ == nullptr && !ended_ && result_.problems.empty()) {
-      spoil(fmt::format("the time limit of {} s was reached before {}", options_.time_limit_s,
-                        info_.accepts_input ? "the pins were quiet" : "the end of the recording"),
+    if (dialog_ == nullptr && !ended_ && !finishing_ && result_.problems.empty()) {
+      spoil(options_.by_itself
+                ? fmt::format("the time limit of {} s was reached, and the head was never pulsed",
+                              options_.time_limit_s)
+                : fmt::format("the time limit of {} s was reached before {}", options_.time_limit_s,
+                              info_.accepts_input ? "the pins were quiet" : "the end of the recording"),
             result_);
     }
   }
@@ -211,6 +251,7 @@ class Lockstep {
   Tick now_{0};
   bool finishing_{false};
   bool ended_{false};
+  bool halted_{false};
   bool pulsed_at_limit_{false};
   source::Batch batch_;
   Gaps gaps_;
@@ -218,6 +259,14 @@ class Lockstep {
 };
 
 }  // namespace
+
+LockstepOptions lockstepFor(const scenario::Scenario& scenario) {
+  LockstepOptions options;
+  options.time_limit_s = scenario.time_limit_s;
+  if (scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kNone)
+    options.by_itself = SelfStart{scenario.firmware.quiet_s, scenario.firmware.start_s};
+  return options;
+}
 
 RecordedRun runLockstep(source::SignalSource& source, LockstepModel& model, const SignalMap& map,
                         Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress) {

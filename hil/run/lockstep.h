@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "hil/controller/controller_report.h"
 #include "hil/run/dialog.h"
 #include "hil/run/provoke.h"
+#include "hil/scenario/scenario.h"
 #include "hil/source/signal_source.h"
 #include "hil/source/vcd.h"
 
@@ -18,13 +20,21 @@ namespace kerfbench::run {
 /// Hears the controller's events up to `until`, by tick.
 using Hearing = std::function<void(Tick until, std::span<const PinEvent> events)>;
 
+/// A job that is in the controller and is not spoken of.
+struct SelfStart {
+  double quiet_s{};               ///< Time without a pulse of the head after which it is over; > 0.
+  std::optional<double> press_s;  ///< Time at which the start button is pressed; empty: never.
+  static constexpr double kPressed_s = 0.1;  ///< Time for which it is held.
+};
+
 struct LockstepOptions {
   /// The twin predicts its sensor edges this far ahead; at a belt acceleration of 2 m/s² that misplaces an
   /// edge by 0.25 um at most.
   double quantum_s{0.5e-3};
   double time_limit_s{60.0};
-  Provocation* provocation{};  ///< May be null. If not, a dialog that never ends is no problem.
-  Hearing heard{};             ///< Is told of each quantum before the model makes it; may be empty.
+  std::optional<SelfStart> by_itself{};  ///< Only without a dialog, and not for a recording.
+  Provocation* provocation{};            ///< May be null. If not, a dialog that never ends is no problem.
+  Hearing heard{};                       ///< Is told of each quantum before the model makes it; may be empty.
   double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
 };
 
@@ -50,6 +60,9 @@ class LockstepModel {
 };
 
 using base::ProgressFn;
+
+/// Options for a release that a scenario runs in an emulator.
+LockstepOptions lockstepFor(const scenario::Scenario& scenario);
 
 /// Runs source and model quantum by quantum: the model's sensor edges of a quantum go to the source before it
 /// runs it, the source's pin events go to the model after. `dialog` may be null (a recording, or a job that

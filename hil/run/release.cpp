@@ -32,10 +32,10 @@ std::unique_ptr<source::SignalSource> openRelease(const scenario::FirmwareChoice
     throw base::InputError("a scenario on real pins (source: gpio, analyser) runs by `kerfbench run` alone");
   source::ChildSourceOptions options;
   options.image = firmware.image;
-  // A native release is itself the child that speaks the protocol.
-  options.child = firmware.source == scenario::FirmwareChoice::Source::kAvr      ? bin_dir / "kerfbench-avr"
-                  : firmware.source == scenario::FirmwareChoice::Source::kNative ? firmware.image
-                                                                                 : firmware.child;
+  options.child = firmware.childIn(bin_dir);
+  if (firmware.emulator() != nullptr && !std::filesystem::exists(options.child))
+    throw base::InputError(fmt::format(
+        "{}: the emulator is not there: this build was made without its library", options.child.string()));
   options.mcu = firmware.mcu;
   options.eeprom = firmware.eeprom_blank ? std::string(source::kBlankEeprom) : firmware.eeprom.string();
   options.clock_hz = firmware.clock_hz;

@@ -61,15 +61,37 @@ planner::DriveNeeds needsOf(const twin::AxisDescription& axis) {
   const DriverProfile& profile = axis.profile;
   return {.name = profile.name,
           .falling_edge = !profile.active_edge_rising,
+          .dir_low = profile.dir_low,
           .setup_s = profile.setup_s,
           .hold_s = profile.hold_s,
           .width_s = profile.width_s,
           .space_s = profile.space_s};
 }
 
+/// What the scenario asks of its machine, and that has not.
+void refuseLacking(const Case& test_case) {
+  const Scenario& scenario = test_case.scenario;
+  const auto refuse = [&](std::string_view key, const std::string& what) {
+    throw base::ConfigError(fmt::format("{}: {}: {}", scenario.path.string(), key, what));
+  };
+  const std::string machine = scenario.machine.string();
+  const SignalMap& signals = test_case.machine.signals;
+  if (scenario.belt_by_controller && !(test_case.machine.belt.feed.step > 0))
+    refuse("belt.drive", fmt::format("the controller cannot feed, {} has no belt.feed", machine));
+  if (scenario.firmware.start_s && !signals.pin(Signal::kStart))
+    refuse("firmware.start_s", fmt::format("{} has no pin `start`", machine));
+  for (const Signal signal : signalsOf(scenario.provoke)) {
+    if (!signals.pin(signal)) refuse("provoke", fmt::format("{} has no pin {}", machine, signalName(signal)));
+  }
+  if (scenario.provoke.cause == ProvokeChoice::Cause::kFieldLeft &&
+      test_case.machine.kind != twin::MachineDescription::Kind::kGantry)
+    refuse("provoke.field_left", fmt::format("{} has no gantry, whose pins tell where it is", machine));
+}
+
 }  // namespace
 
 void refuseUnwired(const Case& test_case) {
+  refuseLacking(test_case);
   const FirmwareChoice& firmware = test_case.scenario.firmware;
   if (!firmware.onRealPins()) return;
   const WiringNeeds needs{.gantry = test_case.machine.kind == twin::MachineDescription::Kind::kGantry,
@@ -93,23 +115,7 @@ Case readCase(const std::filesystem::path& scenario, const ImagePath& images) {
   for (const std::filesystem::path& input : file.inputs)
     if (std::ranges::find(test_case.inputs, input) == test_case.inputs.end())
       test_case.inputs.push_back(input);
-  if (test_case.scenario.belt_by_controller && !(test_case.machine.belt.feed.step > 0)) {
-    throw base::ConfigError(fmt::format("{}: belt.drive: the controller cannot feed, {} has no belt.feed",
-                                        test_case.scenario.path.string(),
-                                        test_case.scenario.machine.string()));
-  }
   refuseUnwired(test_case);
-  for (const Signal signal : signalsOf(test_case.scenario.provoke)) {
-    if (test_case.machine.signals.pin(signal)) continue;
-    throw base::ConfigError(fmt::format("{}: provoke: {} has no pin {}", test_case.scenario.path.string(),
-                                        test_case.scenario.machine.string(), signalName(signal)));
-  }
-  if (test_case.scenario.provoke.cause == ProvokeChoice::Cause::kFieldLeft &&
-      test_case.machine.kind != twin::MachineDescription::Kind::kGantry) {
-    throw base::ConfigError(
-        fmt::format("{}: provoke.field_left: {} has no gantry, whose pins tell where it is",
-                    test_case.scenario.path.string(), test_case.scenario.machine.string()));
-  }
   refuseUnfit(file, webOf(test_case));
   test_case.dieline = std::make_shared<const dieline::Dieline>(selectedDieline(test_case.scenario));
   return test_case;

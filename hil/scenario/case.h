@@ -34,7 +34,8 @@ inline Case readCase(const std::filesystem::path& scenario, const std::filesyste
   return readCase(scenario, ImagePath{firmware_dir});
 }
 
-/// @throws ConfigError for a scenario on real pins whose lines are not the pins that the machine has.
+/// @throws ConfigError for a scenario that asks of its machine what that has not: a pin, a feed, on real pins
+/// the lines.
 void refuseUnwired(const Case& test_case);
 
 /// The machine that runs: around its description, as far as the scenario's preset and seed take it.

@@ -38,6 +38,8 @@ std::vector<PinLine> readLines(base::YamlReader& firmware, const char* section, 
           name,
           "cannot be driven: the model knows what the laser did 21 ms later, and a power meter answers "
           "sooner");
+    } else if (signal == Signal::kStart) {
+      lines.fault(name, "is pressed by hand on real pins");
     } else if (const auto [user, is_new] = users.emplace(line, name); !is_new) {
       lines.fault(name, fmt::format("has line {}, and so has {}", line, user->second));
     } else {

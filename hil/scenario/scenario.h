@@ -28,6 +28,8 @@ namespace kerfbench::scenario {
 struct FirmwareChoice {
   enum class Source {
     kAvr,
+    kMcs51,
+    kCortexM,
     kNative,
     kChild,
     kGpio,      ///< Real pins of a controller; see `gpio`.
@@ -37,7 +39,7 @@ struct FirmwareChoice {
     kKerfbench,  ///< The reference controller's frames (controller/protocol.h); the planner makes the
                  ///< program.
     kLineOk,     ///< Send a line, wait for "ok" (Grbl and its kin); `gcode` is what is sent.
-    kNone,       ///< The job is started at the machine (kGpio without a serial line).
+    kNone,       ///< The job is in the controller, and is started at the machine or by itself.
   };
   Source source{Source::kAvr};
   Dialog dialog{Dialog::kKerfbench};
@@ -48,16 +50,39 @@ struct FirmwareChoice {
   /// Bytes of the firmware's receive buffer that lines may fill before they are answered; 0: one line at a
   /// time. For kLineOk.
   std::size_t ahead_bytes{};
-  std::filesystem::path eeprom;  ///< What the EEPROM holds, for kAvr and kChild; empty: what the image says.
-  bool eeprom_blank{};           ///< An erased EEPROM, whatever the image says.
+  std::filesystem::path
+      eeprom;           ///< What the EEPROM holds, of an emulator or a child; empty: what the image says.
+  bool eeprom_blank{};  ///< An erased EEPROM, whatever the image says.
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
   std::uint32_t baud{250'000};
-  GpioChoice gpio;          ///< Pins, for kGpio.
-  AnalyserChoice analyser;  ///< Analyser, for kAnalyser.
+  double quiet_s{};  ///< For kNone: the job is over when no axis of the head was pulsed for so long.
+  std::optional<double> start_s;  ///< For kNone: time at which the start button is pressed; empty: never.
+  GpioChoice gpio;                ///< Pins, for kGpio.
+  AnalyserChoice analyser;        ///< Analyser, for kAnalyser.
 
   [[nodiscard]] bool onRealPins() const { return source == Source::kGpio || source == Source::kAnalyser; }
+  /// The emulator that runs the image; null where none of the bench's does.
+  [[nodiscard]] const struct Emulator* emulator() const;
+  /// The program that speaks the pin stream for this release: the bench's emulator in the folder of its
+  /// programs, a native release itself, or what the scenario names.
+  [[nodiscard]] std::filesystem::path childIn(const std::filesystem::path& bin_dir) const;
 };
+
+/// Emulator that comes with the bench: a child process, and what a scenario need not say.
+struct Emulator {
+  FirmwareChoice::Source source{};
+  std::string_view key;      ///< Value of `firmware.source`.
+  std::string_view program;  ///< Name of the child in the folder of the programs.
+  std::string_view runs;     ///< Kind of processor, for people.
+  std::string_view mcu;
+  std::uint64_t clock_hz{};
+};
+inline constexpr std::array kEmulators{
+    Emulator{FirmwareChoice::Source::kAvr, "avr", "kerfbench-avr", "AVR", "atmega2560", 16'000'000},
+    Emulator{FirmwareChoice::Source::kMcs51, "mcs51", "kerfbench-mcs51", "8051", "at89s52", 12'000'000},
+    Emulator{FirmwareChoice::Source::kCortexM, "cortex_m", "kerfbench-cortex-m", "Cortex-M", "stm32f103c8",
+             72'000'000}};
 
 /// How much board grows or shrinks between cut and inspection, if both are done in one room within minutes:
 /// what 0.1 % of relative humidity does to cartonboard across the grain (about 100 ppm for each per cent).

@@ -14,7 +14,6 @@ namespace kerfbench::source {
 namespace {
 
 constexpr std::size_t kMostNames = 3;
-constexpr std::size_t kBitsPerPort = 8;
 
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
@@ -25,13 +24,24 @@ std::vector<std::string> split(const std::string& text, char at) {
 
 Controller controllerFrom(const std::string& line) {
   std::vector<std::string> fields = split(line, '\t');
-  fields.resize(7);
-  const auto bytes = [&](std::size_t i) {
-    const auto number = base::numberFrom<std::size_t>(fields[i]);
-    if (!number) throw std::runtime_error("an emulator describes a controller in words that make no sense");
-    return *number;
+  fields.resize(8);
+  if (fields[7].empty()) fields[7] = "8";
+  const auto number = [&](std::size_t i) {
+    const auto read = base::numberFrom<std::size_t>(fields[i]);
+    if (!read) throw std::runtime_error("an emulator describes a controller in words that make no sense");
+    return *read;
   };
-  return {split(fields[0], ' '), bytes(1), bytes(2), bytes(3), fields[4], fields[5], fields[6]};
+  return {split(fields[0], ' '),           number(1), number(2), number(3), fields[4], fields[5], fields[6],
+          static_cast<unsigned>(number(7))};
+}
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// Name of a port in a controller with ports of these names: letters or digits. '?' where there can be none.
+char portName(std::string_view ports, std::uint16_t port) {
+  const bool numbered = !ports.empty() && isDigit(ports.front());
+  if (port >= (numbered ? 10 : 26)) return '?';
+  return static_cast<char>((numbered ? '0' : 'A') + port);
 }
 
 std::size_t distance(std::string_view a, std::string_view b) {
@@ -50,13 +60,17 @@ std::size_t distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+std::string Controller::nameOf(PinId pin) const {
+  const char port = portName(ports, pin.port);
+  return std::string("P") + port + (isDigit(port) ? "." : "") + std::to_string(pin.bit);
+}
+
 bool Controller::isCalled(std::string_view name) const {
   return std::ranges::find(names, name) != names.end();
 }
 
 bool Controller::hasPin(PinId pin) const {
-  return pin.bit < kBitsPerPort && pin.port < 26 &&
-         ports.find(static_cast<char>('A' + pin.port)) != std::string::npos;
+  return pin.bit < port_bits && ports.find(portName(ports, pin.port)) != std::string::npos;
 }
 
 std::vector<Controller> emulatedControllers(const std::filesystem::path& child, const std::string& mcu) {
@@ -74,10 +88,6 @@ std::vector<std::string> namesLike(std::string_view name, const std::vector<Cont
   std::vector<std::string> nearest;
   for (std::size_t i = 0; i < std::min(all.size(), kMostNames); ++i) nearest.push_back(all[i].second);
   return nearest;
-}
-
-std::string pinName(PinId pin) {
-  return std::string("P") + static_cast<char>('A' + pin.port) + std::to_string(pin.bit);
 }
 
 }  // namespace kerfbench::source

@@ -15,13 +15,16 @@ namespace kerfbench::source {
 struct Controller {
   std::vector<std::string> names;  ///< Names of what is one and the same to the emulator.
   std::size_t flash_bytes{}, sram_bytes{}, eeprom_bytes{};
-  std::string ports;   ///< Letters, "BCD".
-  std::string timers;  ///< Digits, "012".
-  std::string uarts;   ///< Digits; the bench talks to UART 0.
+  std::string ports;      ///< Letters, "BCD", or the digits of an 8051, "0123".
+  std::string timers;     ///< Digits, "012".
+  std::string uarts;      ///< Digits; the bench talks to the first.
+  unsigned port_bits{8};  ///< Bits of each port.
 
   [[nodiscard]] bool isCalled(std::string_view name) const;
   /// Whether it has the port; which of its eight bits are led out the emulator does not know.
   [[nodiscard]] bool hasPin(PinId pin) const;
+  /// "PD2", or "P1.2" where ports have numbers.
+  [[nodiscard]] std::string nameOf(PinId pin) const;
 };
 
 /// Asks the emulator `child` (kerfbench-avr) for the controller of a name, or for all that it has where none
@@ -31,8 +34,5 @@ std::vector<Controller> emulatedControllers(const std::filesystem::path& child, 
 /// The names that are most like this one, which is none of them: up to three, the nearest first, by how many
 /// letters must be changed, added or left out (Levenshtein 1966).
 std::vector<std::string> namesLike(std::string_view name, const std::vector<Controller>& controllers);
-
-/// "PD2".
-std::string pinName(PinId pin);
 
 }  // namespace kerfbench::source

@@ -72,6 +72,37 @@ TEST_F(LineOkFirmware, CutsASheetAtRestAndPasses) {
   }
 }
 
+TEST_F(LineOkFirmware, AReleaseThatHoldsItsJobIsStartedByAButtonAndMakesTheSamePulses) {
+  const auto result =
+      kerfbench(fmt::format("run '{}' --no-pictures --twin fast --results-dir '{}'",
+                            fixture("scenarios/line-ok/own-job.yaml").string(), scratch_.path().string()));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("started by its button at 0.3 s"));
+  const auto asked = stepsOf(plate().parent_path() / "plate.gcode");
+  const auto said = verdictOf(scratch_.path() / "line-ok-own-job");
+  for (const auto& axis : said.at("pulses"))
+    EXPECT_EQ(axis.at("pulses").get<long>(), asked.at(axis.at("axis").get<std::string>()));
+}
+
+TEST_F(LineOkFirmware, AButtonThatIsNeverPressedIsNoVerdict) {
+  const auto path = scratch_.path() / "unpressed.yaml";
+  std::ofstream(path) << "extends: " << fixture("scenarios/line-ok/own-job.yaml").string()
+                      << "\nname: unpressed\nfirmware: {start_s: ~}\ntime_limit_s: 1\n";
+  const auto result = kerfbench(fmt::format("run '{}' --no-pictures --twin fast --results-dir '{}'",
+                                            path.string(), scratch_.path().string()));
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("the head was never pulsed"));
+}
+
+TEST_F(LineOkFirmware, AMachineWithoutAButtonCannotBeStartedByIt) {
+  const auto path = scratch_.path() / "buttonless.yaml";
+  std::ofstream(path) << "extends: " << fixture("scenarios/label-on-belt.yaml").string()
+                      << "\nname: buttonless\nfirmware: {dialog: none, start_s: 0.1}\n";
+  const auto result = kerfbench(fmt::format("lint '{}'", path.string()));
+  EXPECT_EQ(result.exit_code, 65) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("two-mirror.yaml has no pin `start`"));
+}
+
 TEST_F(LineOkFirmware, LinesOfASetupGoFirstAndAnErrorToThemIsNamed) {
   const auto result = run("firmware: {setup: ['G90', 'G2 X1'], ahead_bytes: 60}\n");
   EXPECT_EQ(result.exit_code, 3) << result.output;

@@ -87,6 +87,16 @@ TEST_F(Lint, APinThatTheControllerLacksIsNamedWithItsLine) {
             HasSubstr("m.yaml:5: pins.laser_gate: an atmega328p has no PB9")));
 }
 
+TEST_F(Lint, APinByTheNameOfAnotherFamilyIsRefused) {
+  (void)file("m.yaml", "extends: " + fixture("machines/two-mirror-linecutter.yaml").string() +
+                           "\nname: m\npins:\n  laser_gate: P1.4\n");
+  const auto scenario = file("s.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
+                                           "\nname: s\nmachine: m.yaml\n");
+  const auto result = lint(scenario);
+  EXPECT_EQ(result.exit_code, 65);
+  EXPECT_THAT(result.output, HasSubstr("m.yaml:4: pins.laser_gate: an atmega328p has no P1.4"));
+}
+
 TEST_F(Lint, AControllerWhoseUartTheBenchCannotReachIsRefused) {
   const auto scenario = file("s.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
                                            "\nname: s\nfirmware: {mcu: attiny84}\n");

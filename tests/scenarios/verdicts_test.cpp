@@ -133,6 +133,34 @@ TEST(BadRelease, BeltIgnoredFailsByStillnessX) { failsBy("belt-ignored", "stilln
 TEST(BadReleaseLong, BeltIgnoredFailsByStillnessX) { failsBy("belt-ignored", "stillness_x"); }
 TEST(BadRelease, EncoderScaleFailsByPath) { failsBy("encoder-scale", "path", kOneUnit); }
 TEST(BadReleaseLong, EncoderScaleFailsByPath) { failsBy("encoder-scale", "path"); }
+/// One label on a machine whose drives have these levels, by the release whose planner knows them.
+ProgramRun runOfLevels(const std::string& axes, const ScratchFolder& scratch) {
+  std::ofstream(scratch.path() / "machine.yaml")
+      << "extends: " << fixture("machines/two-mirror.yaml").string() << "\nname: levels\n"
+      << axes;
+  return fastRunOf(scenarioWith("native/label-on-belt.yaml",
+                                "name: levels\nprint: {units: 1}\nmachine: machine.yaml\n", scratch),
+                   scratch);
+}
+
+TEST(GoodRelease, DrivesOfOtherLevelsAreServedAndJudgedByThem) {
+  const ScratchFolder scratch;
+  const ProgramRun run =
+      runOfLevels("galvo_x: {dir_low: true}\ngalvo_y: {dir_low: true, active_edge: falling}\n", scratch);
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+}
+
+TEST(GoodRelease, ARecordingOfOneSenseOfDirFailsOnAMachineOfTheOther) {
+  const ScratchFolder scratch;
+  ASSERT_EQ(runOfLevels("galvo_y: {dir_low: true}\n", scratch).exit_code, 0);
+  const ProgramRun run = kerfbench(fmt::format(
+      "replay '{}' --scenario '{}' --no-pictures --twin fast --results-dir '{}'",
+      (scratch.path() / "levels/pins.vcd").string(),
+      scenarioWith("native/label-on-belt.yaml", "name: usual\nprint: {units: 1}\n", scratch).string(),
+      scratch.path().string()));
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+}
+
 TEST(BadRelease, DirLateFailsByPulseTiming) { failsBy("dir-late", "pulse_timing", kOneUnit); }
 TEST(BadReleaseLong, DirLateFailsByPulseTiming) { failsBy("dir-late", "pulse_timing"); }
 TEST(BadReleaseLong, PulsesLostFailsByPath) { failsBy("pulses-lost", "path"); }

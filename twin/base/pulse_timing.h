@@ -16,6 +16,10 @@ struct DriverProfile {
   double hold_s{};                ///< Time that DIR is stable after the active edge; >= 0.
   double width_s{};               ///< Shortest time of PUL at the active level; >= 0.
   double space_s{};               ///< Shortest time of PUL at the idle level; >= 0.
+  bool dir_low{};                 ///< DIR is low for a step in the axis's positive direction, else high.
+
+  /// Sense of a step that is latched while DIR has this level: +1 or -1.
+  [[nodiscard]] constexpr int senseOf(bool dir) const { return dir != dir_low ? 1 : -1; }
 };
 
 /// Observed timing of one PUL/DIR pair over a run. Times in s; infinity while nothing was observed.

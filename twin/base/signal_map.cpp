@@ -4,10 +4,10 @@
 namespace kerfbench {
 namespace {
 constexpr std::array<std::string_view, kSignalCount> kNames{
-    "galvo_x_pul",  "galvo_x_dir",  "galvo_y_pul",  "galvo_y_dir",  "gantry_x_pul",
-    "gantry_x_dir", "gantry_y_pul", "gantry_y_dir", "feed_pul",     "feed_dir",
-    "laser_gate",   "laser_pwm",    "encoder_a",    "encoder_b",    "print_mark",
-    "limit_x",      "limit_y",      "interlock",    "power_monitor"};
+    "galvo_x_pul",  "galvo_x_dir",  "galvo_y_pul",  "galvo_y_dir",   "gantry_x_pul",
+    "gantry_x_dir", "gantry_y_pul", "gantry_y_dir", "feed_pul",      "feed_dir",
+    "laser_gate",   "laser_pwm",    "encoder_a",    "encoder_b",     "print_mark",
+    "limit_x",      "limit_y",      "interlock",    "power_monitor", "start"};
 }  // namespace
 
 std::string_view signalName(Signal signal) { return kNames.at(static_cast<std::size_t>(signal)); }

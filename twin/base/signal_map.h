@@ -31,6 +31,7 @@ enum class Signal : std::size_t {
   kLimitY,        ///< Limit switch; high at the end of travel of the gantry.
   kInterlock,     ///< Guard; high: closed, the laser may be armed.
   kPowerMonitor,  ///< Power meter; toggles for each quantum of energy that the laser has emitted.
+  kStart,         ///< Start button; high: pressed.
   kCount
 };
 inline constexpr std::size_t kSignalCount = static_cast<std::size_t>(Signal::kCount);

@@ -21,7 +21,7 @@ void PulseDecoder::activeEdge(double time_s) {
   // A pause that is too short joins the two pulses to one.
   if (time_s - idle_s_ < profile_.space_s - kRounding_s) return;
   pending_ = true;
-  pending_direction_ = (latched ? dir_ : old_dir_) ? 1 : -1;
+  pending_direction_ = profile_.senseOf(latched ? dir_ : old_dir_);
 }
 
 void PulseDecoder::idleEdge(double time_s) {

@@ -10,7 +10,7 @@ namespace kerfbench::twin {
 /// Step that a drive takes.
 struct StepEdge {
   double time_s{};
-  int direction{};  ///< +1 (DIR high) or -1.
+  int direction{};  ///< +1 or -1, along the axis (DriverProfile::senseOf).
 };
 
 /// One PUL/DIR input as the drive behind it sees it. Whether the pulses keep to its data sheet is measured
@@ -21,7 +21,6 @@ struct StepEdge {
 /// time after the edge comes too late to matter: the step is latched. The drive's input filter passes a pulse
 /// once it has lasted width_s, so a step takes effect width_s after its active edge, and a shorter pulse
 /// never does; the same holds for the pause between two pulses (space_s). Time is in s and must not run
-/// backwards.
 /// backwards.
 class PulseDecoder {
  public:

@@ -100,6 +100,17 @@ TEST(CountedSteps, ADriveThatStepsOnTheFallingEdgeCountsThat) {
   EXPECT_EQ(steps->at(350e-6)[0], 1);
 }
 
+TEST(CountedSteps, ADriveThatGoesForwardsWhileDirIsLowCountsSo) {
+  PinWiring inverted = wiring();
+  inverted.drives[0].profile.dir_low = true;
+  const auto steps = CountedSteps::of(
+      recordingOf({{110, kPulX | kPulY}, {120, 0}, {130, kPulX}, {140, kDirX}, {250, kDirX | kPulX}}),
+      inverted);
+  ASSERT_TRUE(steps);
+  EXPECT_EQ(steps->at(150e-6), (CountedSteps::Steps{2, -1}));
+  EXPECT_EQ(steps->at(350e-6), (CountedSteps::Steps{1, -1}));
+}
+
 TEST(CountedSteps, AnAxisWithoutItsLinesIsNotCounted) {
   PinWiring one = wiring();
   one.signals = SignalMap{};

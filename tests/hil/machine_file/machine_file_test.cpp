@@ -276,6 +276,17 @@ TEST_F(MachineFileTest, TheDriveProfilesAreThoseOfTheDataSheets) {
   EXPECT_DOUBLE_EQ(profile.space_s, 4e-6);
 }
 
+TEST_F(MachineFileTest, AnAxisMayHaveOtherLevelsThanItsDriver) {
+  const auto machine = readMachine(extending("two-mirror.yaml",
+                                             "galvo_x: {driver: Gecko201, active_edge: rising}\n"
+                                             "galvo_y: {dir_low: true}\n"));
+  EXPECT_TRUE(machine.galvo_x.profile.active_edge_rising);
+  EXPECT_DOUBLE_EQ(machine.galvo_x.profile.hold_s, 20e-6);
+  EXPECT_EQ(machine.galvo_x.profile.senseOf(true), 1);
+  EXPECT_EQ(machine.galvo_y.profile.senseOf(true), -1);
+  EXPECT_EQ(machine.galvo_y.profile.senseOf(false), 1);
+}
+
 TEST_F(MachineFileTest, TheSpotCameraSeesItsCentreInTheMiddleOfThePicture) {
   std::string content = base::withValue(text("strip-gantry.yaml"), "centre_mm", "[370, -20]");
   content = base::withValue(base::withValue(content, "height_mm", "2500"), "pitch_mm", "0.2");

@@ -78,8 +78,7 @@ class ScriptedDialog : public Dialog {
 class Lockstep : public testing::Test {
  protected:
   RecordedRun run(Dialog* talk) { return runLockstep(source, model, machine.signals, talk, options, {}); }
-  const twin::MachineDescription machine =
-      machine_file::readMachine(base::fixture("machines/two-mirror.yaml"));
+  twin::MachineDescription machine = machine_file::readMachine(base::fixture("machines/two-mirror.yaml"));
   const twin::WebDescription web = [] {
     twin::WebDescription result;
     result.print.pitch_mm = 70;
@@ -169,6 +168,53 @@ TEST_F(LockstepUntilQuiet, AFailedDialogEndsTheRun) {
   pulseUntil(0.2);
   ScriptedDialog failing(0.02, Dialog::State::kFailed, 0.05);
   EXPECT_NEAR(kRate.seconds(run(&failing).recording.end), 0.03, 1e-3);
+}
+
+TEST_F(LockstepUntilQuiet, AJobOfTheControllersOwnEndsWhenTheHeadHasBeenQuiet) {
+  options.by_itself = SelfStart{0.05, 0.012};
+  pulseUntil(0.2);
+  const auto result = run(nullptr);
+  EXPECT_THAT(result.problems, IsEmpty());
+  EXPECT_NEAR(kRate.seconds(result.recording.end), 0.2 + 0.05, 3e-3);
+  std::vector<SensorEdge> pressed;
+  for (const SensorEdge& edge : result.recording.sensors)
+    if (edge.signal == Signal::kStart) pressed.push_back(edge);
+  EXPECT_THAT(pressed, IsEmpty()) << "this machine has no button";
+}
+
+TEST_F(LockstepUntilQuiet, TheStartButtonIsPressedAndLetGo) {
+  machine.signals.assign(Signal::kStart, {3, 4});
+  options.by_itself = SelfStart{0.15, 0.012};
+  pulseUntil(0.03);
+  const auto result = run(nullptr);
+  std::vector<std::pair<double, bool>> pressed;
+  for (const SensorEdge& edge : result.recording.sensors)
+    if (edge.signal == Signal::kStart) pressed.emplace_back(kRate.seconds(edge.tick), edge.level);
+  EXPECT_THAT(pressed, ElementsAre(std::pair{0.012, true}, std::pair{0.112, false}));
+  EXPECT_TRUE(std::ranges::is_sorted(source.driven));
+}
+
+TEST_F(LockstepUntilQuiet, AJobOfItsOwnThatNeverBeginsIsAProblem) {
+  options.by_itself = SelfStart{0.05, {}};
+  options.time_limit_s = 0.3;
+  EXPECT_THAT(run(nullptr).problems, ElementsAre(HasSubstr("the head was never pulsed")));
+}
+
+TEST_F(LockstepUntilQuiet, AControllerMayHaltAfterItsOwnJobAndTheMachineGoesOn) {
+  options.by_itself = SelfStart{0.05, {}};
+  pulseUntil(0.1);
+  source.stop_at = kRate.ticksAt(0.11);
+  source.stop = source::Stop::kEnded;
+  const auto result = run(nullptr);
+  EXPECT_THAT(result.problems, IsEmpty());
+  EXPECT_NEAR(kRate.seconds(result.recording.end), 0.1 + 0.05, 3e-3);
+}
+
+TEST_F(LockstepUntilQuiet, AHaltBeforeTheFirstPulseIsAProblem) {
+  options.by_itself = SelfStart{0.05, {}};
+  source.stop_at = kRate.ticksAt(0.11);
+  source.stop = source::Stop::kEnded;
+  EXPECT_THAT(run(nullptr).problems, ElementsAre(HasSubstr("halted before the job was done")));
 }
 
 TEST_F(Lockstep, TheDialogsBytesGoToTheUart) {

@@ -186,6 +186,10 @@ TEST(PulseCounter, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   ASSERT_EQ(account.axes.size(), 1U) << "what is wired";
   EXPECT_EQ(account.axes[0].name, "galvo_x");
   EXPECT_EQ(account.axes[0].seen, 4);
+  const controller::DriveOfPul low{Signal::kGalvoXPul, {.name = "", .dir_low = true}};
+  EXPECT_EQ(
+      controller::PulseCounter(recording, map, {&low, 1}).compareWithReport(told, {250e3, 0.0}).axes[0].seen,
+      -4);
   ASSERT_TRUE(account.belt);
   EXPECT_EQ(account.belt->told, 798);
   EXPECT_EQ(account.belt->seen_min, 800 - 3);  // The controller can have read its belt within 3.64 ms.

@@ -87,7 +87,18 @@ TEST(Controllers, PinsAreThoseOfItsPorts) {
   EXPECT_FALSE(controller.hasPin({3, 8}));
   EXPECT_FALSE(controller.hasPin({0, 2}));
   EXPECT_FALSE(controller.hasPin({30, 0}));
-  EXPECT_EQ(pinName({3, 7}), "PD7");
+  EXPECT_EQ(controller.nameOf({3, 7}), "PD7");
+}
+
+TEST(Controllers, PortsMayHaveNumbersAndMoreBits) {
+  const Controller numbered{.ports = "0123"};
+  EXPECT_TRUE(numbered.hasPin({3, 7}));
+  EXPECT_FALSE(numbered.hasPin({4, 0}));
+  EXPECT_FALSE(numbered.hasPin({12, 0}));
+  EXPECT_EQ(numbered.nameOf({1, 2}), "P1.2");
+  const Controller wide{.ports = "ABC", .port_bits = 16};
+  EXPECT_TRUE(wide.hasPin({2, 13}));
+  EXPECT_FALSE(wide.hasPin({2, 16}));
 }
 
 TEST(Controllers, AProgramThatDoesNotSayIsAnError) {

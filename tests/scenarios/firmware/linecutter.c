@@ -9,10 +9,14 @@
  *   error:1 no such word, error:2 bad number, error:15 outside the travel
  *   error:20 no such command, error:22 bad feed
  *
+ * With OWN_JOB, a file of such lines that is linked in, it runs these when the button at PC5 is pressed, and
+ * nobody talks to it.
+ *
  * PD2, PD3 step of X and Y; PD5, PD6 direction, high: plus. PB4 laser gate, PB3 (OC2A) laser power.
  */
 #include <avr/interrupt.h>
 #include <avr/io.h>
+#include <avr/pgmspace.h>
 #include <math.h>
 #include <stdint.h>
 #include <util/delay.h>
@@ -49,7 +53,6 @@ static uint16_t steps_left, sum_x, sum_y;
 
 static volatile uint8_t ring[128];
 static volatile uint8_t ring_head, asked;
-static uint8_t ring_tail;
 
 ISR(USART_RX_vect) {
   const uint8_t c = UDR0;
@@ -260,6 +263,35 @@ static const char* execute(const char* line) {
   return moves ? move(x, y, mode) : "ok\r\n";
 }
 
+/* The next character for the interpreter; 0: there is none yet. */
+#ifdef OWN_JOB
+__asm__(
+    ".section .progmem.data, \"a\", @progbits\n"
+    "own_job: .incbin \"" OWN_JOB
+    "\"\n"
+    ".byte 0\n"
+    ".previous\n");
+extern const char own_job[] PROGMEM;
+
+static char next_character(void) {
+  static const char* at = own_job;
+  static uint8_t started;
+  if (PINC & (1 << PC5)) started = 1;
+  if (!started) return 0;
+  const char c = (char)pgm_read_byte(at);
+  if (c) ++at;
+  return c;
+}
+#else
+static char next_character(void) {
+  static uint8_t ring_tail;
+  if (ring_tail == ring_head) return 0;
+  const char c = (char)ring[ring_tail];
+  ring_tail = (uint8_t)((ring_tail + 1U) % sizeof ring);
+  return c;
+}
+#endif
+
 int main(void) {
   DDRD = STEP_X | STEP_Y | DIR_X | DIR_Y;
   DDRB = LASER_PWM | LASER_GATE;
@@ -277,13 +309,12 @@ int main(void) {
   uint8_t length = 0;
   for (;;) {
     answer_question();
-    if (ring_tail == ring_head) continue;
-    const char c = (char)ring[ring_tail];
-    ring_tail = (uint8_t)((ring_tail + 1U) % sizeof ring);
+    const char c = next_character();
+    if (c == 0) continue;
     if (c == '\n') {
       line[length] = 0;
       length = 0;
-      put(execute(line));
+      if (line[0] != ';') put(execute(line));
     } else if (c != '\r' && length + 1U < sizeof line) {
       line[length++] = c;
     }

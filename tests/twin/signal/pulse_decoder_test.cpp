@@ -52,6 +52,15 @@ TEST(PulseDecoder, StepsInTheDirectionThatDirHadAtTheActiveEdge) {
   EXPECT_EQ(wires.directions(), (Directions{-1, 1, 1, -1}));
 }
 
+TEST(PulseDecoder, ADriveMayStepForwardsWhileDirIsLow) {
+  DriverProfile profile = dm556();
+  profile.dir_low = true;
+  Wires wires(profile);
+  // The third pulse comes 2 us after DIR, which the latch has not seen yet.
+  wires.pulse(100, 5).dir(120, true).pulse(140, 5).dir(178, false).pulse(180, 5).pulse(200, 5);
+  EXPECT_EQ(wires.directions(), (Directions{1, -1, -1, 1}));
+}
+
 TEST(PulseDecoder, AStepTakesEffectOnceThePulseHasLastedItsWidth) {
   Wires wires(dm556());
   wires.pul(100, true);
