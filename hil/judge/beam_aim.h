@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -39,9 +41,14 @@ class SharedSteps {
   evidence::CountedSteps steps_;
 };
 
-/// Where the spot camera is to look: the steps that the pins have asked for, by what the controller was told
-/// of its head. Empty, so that the camera is read out whole, if its machine file tells no read-out or `steps`
-/// is null. It may be asked for times up to which steps were added.
+/// Place of the beam in W, mm, for steps of the head's axes: by the steps of the machine as it is described,
+/// and by what the controller was told of the rest of its head. Nullopt beyond the correction table.
+std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d& steps)> placeOfSteps(
+    const scenario::Case& test_case);
+
+/// Where the spot camera is to look: the steps that the pins have asked for, by placeOfSteps(). Empty, so
+/// that the camera is read out whole, if its machine file tells no read-out or `steps` is null. It may be
+/// asked for times up to which steps were added.
 vision::BeamAim beamAim(const scenario::Case& test_case, std::shared_ptr<const SharedSteps> steps);
 
 /// Steps of a recording. Null if an axis is not wired.

@@ -83,6 +83,7 @@ std::string writePins(const std::filesystem::path& folder, const scenario::Case&
 }
 
 void tellVerdict(const report::RunReport& report, base::Console& console) {
+  if (!report.likely_cause.empty()) console.result("  " + report.likely_cause);
   for (const inspect::Check& check : report.result.checks) console.say(checkLine(check));
   if (!report.model.lost_steps.empty()) console.result("  " + report::lostStepsSentence(report.model));
   if (const std::string stop = report::stopSentence(report.result); !stop.empty())

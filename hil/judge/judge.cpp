@@ -12,6 +12,7 @@
 #include "hil/camera/tile_folder.h"
 #include "hil/evidence/pin_evidence.h"
 #include "hil/inspect/inspect.h"
+#include "hil/judge/axes_cause.h"
 #include "hil/judge/beam_aim.h"
 #include "hil/judge/missing_sensors.h"
 #include "hil/judge/pin_stamps.h"
@@ -189,6 +190,8 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
 
   Judgement judgement;
   judgement.result = inspect::inspect(evidence, test_case.scenario.limits);
+  if (judgement.result.verdict != inspect::Verdict::kPass)
+    judgement.likely_cause = axesCause(test_case, run.recording, evidence);
   judgement.facts = std::move(look.facts());
   judgement.pictures = std::move(look.pictures());
   judgement.facts.insert(judgement.facts.end(), calibrated.facts.begin(), calibrated.facts.end());
@@ -220,6 +223,7 @@ void addJudgement(Judgement judgement, report::RunReport& report) {
   report.kerf = std::move(judgement.kerf);
   report.spot = std::move(judgement.spot);
   report.pulses = std::move(judgement.pulses);
+  report.likely_cause = std::move(judgement.likely_cause);
   report.evidence = std::move(judgement.pictures);
   report.versions.insert(report.versions.end(), judgement.facts.begin(), judgement.facts.end());
 }

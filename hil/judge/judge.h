@@ -40,6 +40,7 @@ struct Judgement {
   vision::KerfScan kerf;
   vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
+  std::string likely_cause;  ///< Why the cut is bad, in sentences for people; empty where nothing says.
   /// For the report: which pictures were looked at, with which calibrations.
   std::vector<std::pair<std::string, std::string>> facts;
   std::vector<report::EvidencePart> pictures;  ///< Sums of what real cameras took.

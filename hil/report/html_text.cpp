@@ -93,7 +93,9 @@ std::string stopSentence(const inspect::InspectionResult& result) {
   return {};
 }
 
-std::string verdictSentence(const RunReport& report) {
+namespace {
+
+std::string sentenceOfVerdict(const RunReport& report) {
   const inspect::InspectionResult& result = report.result;
   const std::string stop = stopSentence(result);
   std::string names;
@@ -132,6 +134,13 @@ std::string verdictSentence(const RunReport& report) {
         result.problems.size() > 1 ? fmt::format(" And {} more.", result.problems.size() - 1) : "");
   }
   return names.empty() ? "Nothing was checked." : fmt::format("Could not be measured: {}.", names);
+}
+
+}  // namespace
+
+std::string verdictSentence(const RunReport& report) {
+  const std::string verdict = sentenceOfVerdict(report);
+  return report.likely_cause.empty() ? verdict : report.likely_cause + " " + verdict;
 }
 
 std::string gaugeSvg(const inspect::Check& check) {

@@ -127,6 +127,7 @@ std::string verdictJson(const RunReport& report, const Digests& digests) {
   root["verdict"] = inspect::verdictName(result.verdict);
   root["exit_code"] = inspect::exitCode(result.verdict);
   root["summary"] = verdictSentence(report);
+  root["likely_cause"] = report.likely_cause;
   root["digest"] = digests.results;
   root["scenario"] = report.scenario;
   root["machine"] = report.machine;

@@ -113,6 +113,8 @@ struct RunReport {
   vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
   inspect::InspectionResult result;
+  /// Why the cut is bad, in sentences for people; nothing is judged by it. Empty where nothing says.
+  std::string likely_cause;
   bool unsealed{};        ///< A recording without a sum of its own was replayed.
   bool model_pictures{};  ///< The pins are real, and the pictures are the model's.
   int calibration_max_age_days{inspect::kCalibrationMaxAge_days};  ///< As the scenario has it.

@@ -84,6 +84,24 @@ TEST_F(LineOkFirmware, AReleaseThatHoldsItsJobIsStartedByAButtonAndMakesTheSameP
     EXPECT_EQ(axis.at("pulses").get<long>(), asked.at(axis.at("axis").get<std::string>()));
 }
 
+TEST_F(LineOkFirmware, AxesThatAreWiredWronglyAreNamedFirst) {
+  const std::vector<std::pair<std::string, std::string>> wirings{
+      {"galvo_x: {dir_low: true}", "X runs backwards: invert DIR of galvo_x"},
+      {"pins: {galvo_x_pul: PD3, galvo_x_dir: PD6, galvo_y_pul: PD2, galvo_y_dir: PD5}",
+       "X and Y are swapped"},
+      {"galvo_x: {step_urad: 12.525}", "X moves 0.200 ± 0.03"}};
+  for (const auto& [keys, sentence] : wirings) {
+    std::ofstream(scratch_.path() / "wired.yaml")
+        << "extends: " << fixture("machines/two-mirror-linecutter.yaml").string() << "\nname: wired\n"
+        << keys << '\n';
+    const auto result = run("machine: wired.yaml\n", "--twin fast");
+    EXPECT_EQ(result.exit_code, 1) << result.output;
+    EXPECT_THAT(result.output, testing::ContainsRegex("line by line\n  " + sentence)) << keys;
+    EXPECT_THAT(verdict().at("summary").get<std::string>(), testing::StartsWith(sentence));
+    EXPECT_THAT(verdict().at("likely_cause").get<std::string>(), testing::StartsWith(sentence));
+  }
+}
+
 TEST_F(LineOkFirmware, AButtonThatIsNeverPressedIsNoVerdict) {
   const auto path = scratch_.path() / "unpressed.yaml";
   std::ofstream(path) << "extends: " << fixture("scenarios/line-ok/own-job.yaml").string()
@@ -143,7 +161,7 @@ class Grbl : public LineOkFirmware {
     return kerfbench(fmt::format("run '{}' --image '{}' --twin fast --no-pictures --results-dir '{}/results'",
                                  path.string(), image(), scratch_.path().string()));
   }
-  static constexpr const char* kSetup = "$3=3, $32=1, $110=6000, $111=6000, $120=500, $121=500";
+  static constexpr const char* kSetup = "$32=1, $110=6000, $111=6000, $120=500, $121=500";
 };
 
 TEST_F(Grbl, WithABlankEepromPassesAndItsComplaintIsTold) {
@@ -155,10 +173,13 @@ TEST_F(Grbl, WithABlankEepromPassesAndItsComplaintIsTold) {
 TEST_F(Grbl, WithAWrongScaleFailsByThePath) {
   EXPECT_EQ(plateWith(std::string(kSetup) + ", $100=250.5").exit_code, 1);
   EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("path"));
+  EXPECT_THAT(verdict().at("likely_cause").get<std::string>(), testing::StartsWith("X moves 0.2"));
 }
 
 TEST_F(Grbl, WithAnAxisInvertedFails) {
-  EXPECT_EQ(plateWith(std::string(kSetup) + ", $3=2").exit_code, 1);
+  EXPECT_EQ(plateWith(std::string(kSetup) + ", $3=1").exit_code, 1);
+  EXPECT_THAT(verdict().at("likely_cause").get<std::string>(),
+              testing::StartsWith("X runs backwards: invert DIR of gantry_x in the firmware (Grbl: $3)"));
   EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("stray"));
 }
 

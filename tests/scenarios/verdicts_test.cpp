@@ -20,6 +20,7 @@ namespace {
 using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 /// Length of a run: as shipped, or the same claim in a fraction of the time, a single unit on the fast twin.
 enum Length { kAsShipped, kOneUnit };
@@ -69,8 +70,10 @@ void invertedXFails(const std::string& belt) {
       fmt::format("replay '{}' --scenario '{}' --no-pictures --twin fast --results-dir '{}'",
                   (scratch.path() / "inverted.vcd").string(), scenario.string(), scratch.path().string()));
   EXPECT_EQ(run.exit_code, 1) << run.output;
-  const auto failed = checksThat(verdictOf(scratch.path() / "label-replay"), "FAIL");
-  EXPECT_THAT(failed, AllOf(Contains("path"), Contains("coverage"), Contains("stray"))) << run.output;
+  const nlohmann::json verdict = verdictOf(scratch.path() / "label-replay");
+  EXPECT_THAT(checksThat(verdict, "FAIL"), AllOf(Contains("path"), Contains("coverage"), Contains("stray")))
+      << run.output;
+  EXPECT_THAT(verdict.at("likely_cause").get<std::string>(), HasSubstr("X runs backwards")) << run.output;
 }
 
 void passes(const std::string& scenario, Length length = kAsShipped) {
@@ -87,6 +90,8 @@ void failsBy(const std::string& name, const std::string& check, Length length = 
   EXPECT_EQ(run.exit_code, 1) << run.output;
   const auto verdict = verdictOf(scratch.path() / ("fault-" + name));
   EXPECT_THAT(checksThat(verdict, "FAIL"), Contains(check)) << run.output;
+  // None of these releases has anything wrong with its axes.
+  EXPECT_EQ(verdict.at("likely_cause"), "") << run.output;
 }
 
 TEST(GoodRelease, LabelAvrPasses) { passes("label-on-belt.yaml"); }
