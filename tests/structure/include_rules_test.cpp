@@ -140,7 +140,8 @@ struct Library {
 };
 
 bool inGplChild(const std::string& file) {
-  return in(file, "hil/source/avr_child") || in(file, "hil/source/analyser/sigrok_child");
+  return in(file, "hil/source/avr_child") || in(file, "hil/source/cortex_m_child") ||
+         in(file, "hil/source/analyser/sigrok_child");
 }
 
 /// What the children share is under both licences, for whatever their libraries ask.
@@ -177,6 +178,7 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
       {"OpenSSL", "^openssl/.*", {"hil/base"}},
       {"V4L2", "^linux/(videodev2|v4l2-.*)\\.h$", {"hil/camera/v4l2"}},
       {"simavr", "^(simavr/|sim_|avr_).*", {"hil/source/avr_child"}},
+      {"Unicorn", "^unicorn/.*", {"hil/source/cortex_m_child"}},
       {"libsigrok", "^libsigrok/.*", {"hil/source/analyser/sigrok_child"}},
       {"libzip", "^zip\\.h$", {"hil/source/analyser"}},
   };
@@ -206,10 +208,12 @@ TEST(IncludeRules, OnlyTheChildrenWhoseLibrariesAskForItAreUnderTheGpl) {
                              in(name, "tests/hil/source/analyser/sigrok_child");
     const bool apache = line.find("SPDX-License-Identifier: Apache-2.0") != std::string::npos;
     const bool gpl = line.find("SPDX-License-Identifier: GPL-3.0-or-later") != std::string::npos;
+    const bool gpl2 = line.find("SPDX-License-Identifier: GPL-2.0-or-later") != std::string::npos;
     const bool either =
         line.find("SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-or-later") != std::string::npos;
     EXPECT_EQ(either, inChildrensLibrary(name)) << name << ": " << line;
-    EXPECT_TRUE(apache || (gpl && gpl_allowed)) << name << ": " << line;
+    EXPECT_EQ(gpl2, in(name, "hil/source/cortex_m_child")) << name << ": " << line;
+    EXPECT_TRUE(apache || gpl2 || (gpl && gpl_allowed)) << name << ": " << line;
   }
 }
 

@@ -24,7 +24,7 @@ void limit(int resource, rlim_t value) {
 }
 
 // An untrusted image runs in this process: let a fault of the emulator not grow into more.
-void confine() {
+void confine([[maybe_unused]] std::uint64_t address_space_bytes) {
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
   (void)::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   (void)::signal(SIGPIPE, SIG_IGN);
@@ -32,8 +32,7 @@ void confine() {
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, 0);
 #ifndef KERFBENCH_SANITIZED  // The sanitizers' shadow alone takes terabytes of addresses.
-  constexpr rlim_t kMaxAddressSpace = 1U << 30U;
-  limit(RLIMIT_AS, kMaxAddressSpace);
+  limit(RLIMIT_AS, address_space_bytes);
 #endif
 }
 
@@ -158,7 +157,8 @@ void serve(int in_fd, int out_fd, const Opener& open, const Describer& describe)
 
 }  // namespace
 
-int runChild(std::string_view program, const Opener& open, const Describer& describe) {
+int runChild(std::string_view program, const Opener& open, const Describer& describe,
+             std::uint64_t address_space_bytes) {
   const std::string name(program);
   // A library may print to standard output: keep the protocol's descriptors to ourselves.
   const int in_fd = ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
@@ -170,7 +170,7 @@ int runChild(std::string_view program, const Opener& open, const Describer& desc
     return 1;
   }
   ::close(null_fd);
-  confine();
+  confine(address_space_bytes);
   try {
     serve(in_fd, out_fd, open, describe);
   } catch (const EndOfRequests&) {

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-#include <functional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "hil/source/open.h"
+#include "tests/hil/source/run_source.h"
 
 namespace kerfbench::source {
 
@@ -23,43 +20,9 @@ inline ChildSourceOptions avrOptions(std::string_view firmware, std::string_view
   return options;
 }
 
-/// Record of a run.
-struct Run {
-  Stop stop{};
-  std::vector<PinEvent> events;
-  std::string uart;
-  std::string message;
-};
-
-/// Runs in lockstep; `before` may drive inputs for the quantum that ends at its argument.
-inline Run runSource(SignalSource& source, Tick until, Tick quantum,
-                     const std::function<void(Tick)>& before = {}) {
-  Run run;
-  Batch batch;
-  for (Tick tick = 0; tick < until && run.stop == Stop::kReached;) {
-    tick = std::min(until, tick + quantum);
-    if (before) before(tick);
-    run.stop = source.advance(tick, batch);
-    run.events.insert(run.events.end(), batch.events.begin(), batch.events.end());
-    run.uart.append(batch.uart.begin(), batch.uart.end());
-  }
-  run.message = source.message();
-  return run;
-}
-
 inline Run runAvr(std::string_view firmware, Tick until, Tick quantum = kMs / 2) {
   const auto source = openChild(avrOptions(firmware));
   return runSource(*source, until, quantum);
-}
-
-/// Ticks at which one pin rises (or falls).
-inline std::vector<Tick> edgesOf(const std::vector<PinEvent>& events, PinId pin, bool rising = true) {
-  std::vector<Tick> ticks;
-  for (const auto& event : events) {
-    if (event.port != pin.port || (event.changed >> pin.bit & 1) == 0) continue;
-    if (((event.level >> pin.bit & 1) != 0) == rising) ticks.push_back(event.tick);
-  }
-  return ticks;
 }
 
 }  // namespace kerfbench::source

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "hil/source/cortex_m_child/serial_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace kerfbench::cortex_m_child {
+namespace {
+
+constexpr std::uint64_t kBitsPerByte = 10;  // 8N1
+
+}  // namespace
+
+SerialLine::SerialLine(Present& present, const CoreTime& time, const Usarts& usarts, std::uint32_t baud)
+    : present_(present), time_(time), usarts_(usarts), baud_(baud) {}
+
+Usart* SerialLine::receiver() const {
+  const auto found = std::ranges::find_if(usarts_, [](const auto& usart) { return usart->receives(); });
+  return found == usarts_.end() ? nullptr : found->get();
+}
+
+void SerialLine::send(std::span<const std::uint8_t> bytes, std::uint64_t watermark_tick) {
+  if (to_send_.empty() && free_at_ < watermark_tick) {
+    free_at_ = watermark_tick;
+    rest_ = 0;
+  }
+  to_send_.insert(to_send_.end(), bytes.begin(), bytes.end());
+}
+
+std::uint64_t SerialLine::nextTick() const {
+  if (to_send_.empty()) return kNever;
+  if (in_frame_) return free_at_;
+  const Usart* usart = receiver();
+  return usart != nullptr && usart->holdsOff() ? kNever : free_at_;
+}
+
+void SerialLine::run() {
+  Usart* const usart = receiver();
+  if (!in_frame_) {
+    in_frame_ = true;
+    rest_ += kBitsPerByte * time_.clockHz();
+    // After RTS has held it off, the line has been idle: no catching up.
+    free_at_ = std::max(free_at_, time_.tickOf(present_.cycle)) + rest_ / baud_;
+    rest_ %= baud_;
+    if (usart != nullptr) usart->beginReceiving();
+    return;
+  }
+  in_frame_ = false;
+  const std::uint8_t byte = to_send_.front();
+  to_send_.pop_front();
+  if (usart == nullptr) return;  // Nobody listens: the byte is lost, as on silicon.
+  watch(*usart);
+  usart->receive(byte);
+}
+
+void SerialLine::onTransmit(const Usart& usart, std::uint8_t byte, Cycle end) {
+  const Usart* own = receiver();
+  if (own != nullptr && own != &usart) return;
+  watch(usart);
+  sent_.push_back({time_.tickOf(end), byte});
+}
+
+/// A byte is under way: whether it would be heard. The last bit of 8N1 is sampled nine bits and a half after
+/// the edge that started it, so that a rate is off by too much where half a bit is lost until then.
+void SerialLine::watch(const Usart& usart) {
+  if (!present_.misheard.empty()) return;
+  constexpr double kMostOff = 0.5 / 9.5;
+  const double rate =
+      static_cast<double>(time_.coreHz()) / static_cast<double>(std::max<Cycle>(1, usart.cyclesPerBit()));
+  const double asked = baud_;
+  char text[200] = "";
+  if (std::abs(rate - asked) > kMostOff * asked) {
+    std::snprintf(
+        text, sizeof text,
+        "the firmware's USART%u runs at %.0f baud, with a core clock of %llu Hz, and the bench at %u",
+        usart.number(), rate, static_cast<unsigned long long>(time_.coreHz()), baud_);
+  } else if (usart.bitsPerFrame() != kBitsPerByte) {
+    std::snprintf(text, sizeof text,
+                  "a byte of the firmware's USART%u takes %u bits, and the bench has 10 (8N1)",
+                  usart.number(), usart.bitsPerFrame());
+  }
+  present_.misheard = text;
+}
+
+std::vector<std::uint8_t> SerialLine::takeSent(std::uint64_t until_tick) {
+  std::vector<std::uint8_t> bytes;
+  while (!sent_.empty() && sent_.front().done_at <= until_tick) {
+    bytes.push_back(sent_.front().byte);
+    sent_.pop_front();
+  }
+  return bytes;
+}
+
+}  // namespace kerfbench::cortex_m_child
