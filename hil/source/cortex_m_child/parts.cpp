@@ -8,6 +8,7 @@ namespace kerfbench::cortex_m_child {
 namespace {
 
 constexpr std::uint32_t kKiB = 1024;
+constexpr unsigned kPortBits = 16;
 constexpr std::uint32_t kMediumDensity = 0x410, kHighDensity = 0x414;
 
 constexpr std::array<Part, 13> kParts{{
@@ -40,7 +41,7 @@ std::string describe(const Part& part) {
   line += "\t" + std::to_string(part.flash_bytes) + "\t" + std::to_string(part.sram_bytes) + "\t0";
   for (const std::string_view names : {part.ports, part.timers, part.usarts})
     line += "\t" + std::string(names);
-  return line + "\n";
+  return line + "\t" + std::to_string(kPortBits) + "\n";
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace kerfbench::cortex_m_child {
 
-/// A part of the STM32F103 family (STMicroelectronics 2015 DS5319, 2018 DS5792, 2015 DS6176): its memories,
+/// A part of the STM32F103 family (data sheets DS5319 and DS5792 of STMicroelectronics): its memories,
 /// and those of its devices that are modelled.
 struct Part {
   std::string_view names;  ///< Blanks between them.

@@ -61,6 +61,22 @@ TEST_F(CortexMInput, ExternalInterruptsSeeEdgesAtTheirTicks) {
   }
 }
 
+// The bench gives an input only when it knows it: just before the quantum in which it comes.
+TEST_F(CortexMInput, NothingDependsOnTheQuantumInWhichAnInputIsGiven) {
+  const auto runIn = [](Tick quantum) {
+    const auto source = openChild(optionsFor("edges"));
+    Tick next = kMs / 2;
+    bool level = false;
+    return runSource(*source, 3 * kMs, quantum, [&](Tick until) {
+      for (; next <= until; next += 997) source->drive({1, 1}, level = !level, next);
+    });
+  };
+  const auto whole = runIn(3 * kMs);
+  EXPECT_GT(whole.events.size(), 150U);
+  EXPECT_EQ(runIn(1000).events, whole.events);
+  EXPECT_EQ(runIn(61).events, whole.events);
+}
+
 /// Turns an encoder on two pins by a number of edges; the sign says which way.
 Tick turn(SignalSource& source, PinId a, PinId b, int edges, Tick from, int& phase) {
   for (int i = 0; i < std::abs(edges); ++i, from += 500) {
