@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "hil/source/child_connection.h"
+
 namespace kerfbench::scenario {
 namespace {
 
@@ -75,6 +77,12 @@ std::filesystem::path imageOf(base::YamlReader& firmware, const ImagePath& image
   return image;
 }
 
+/// A program, or the address of one that runs elsewhere.
+std::filesystem::path childOf(base::YamlReader& firmware, const ImagePath& images) {
+  const std::filesystem::path named = firmware.text("child", "");
+  return source::isConnection(named) ? named : fileOf(firmware, "child", images.firmware_dir);
+}
+
 FirmwareChoice readFirmwareOnPins(base::YamlReader& firmware, const ImagePath& images) {
   FirmwareChoice result;
   result.source = FirmwareChoice::Source::kGpio;
@@ -129,8 +137,7 @@ FirmwareChoice readFirmware(base::YamlReader firmware, const ImagePath& images) 
                   : source == "child" ? FirmwareChoice::Source::kChild
                                       : usual.source;
   result.image = imageOf(firmware, images);
-  if (result.source == FirmwareChoice::Source::kChild)
-    result.child = fileOf(firmware, "child", images.firmware_dir);
+  if (result.source == FirmwareChoice::Source::kChild) result.child = childOf(firmware, images);
   result.mcu = firmware.text("mcu", std::string(usual.mcu));
   result.clock_hz = static_cast<std::uint64_t>(firmware.integer(
       "clock_hz", {.min = 1e5, .max = 1e9, .fallback = static_cast<double>(usual.clock_hz)}));

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "hil/base/digest.h"
-#include "hil/source/child_process.h"
+#include "hil/source/child_connection.h"
 #include "hil/source/open.h"
 #include "hil/source/pin_stream.h"
 
@@ -109,11 +109,11 @@ Stop stopFrom(std::uint8_t code) {
 }
 
 /// False: not within the deadline. @throws Malformed if the child has gone or talks nonsense.
-bool readReply(ChildProcess& child, std::uint8_t& type, std::vector<std::uint8_t>& payload,
-               ChildProcess::Clock::time_point deadline) {
+bool readReply(ChildChannel& child, std::uint8_t& type, std::vector<std::uint8_t>& payload,
+               ChildChannel::Clock::time_point deadline) {
   std::array<std::uint8_t, kHeadBytes> head{};
-  const auto check = [&child](ChildProcess::Io io) {
-    if (io != ChildProcess::Io::kClosed) return io == ChildProcess::Io::kDone;
+  const auto check = [&child](ChildChannel::Io io) {
+    if (io != ChildChannel::Io::kClosed) return io == ChildChannel::Io::kDone;
     const auto end = child.finish(kFarewell);
     const auto words = child.lastWords();
     throw Gone(end + (words.empty() ? "" : "; it said: " + words));
@@ -127,14 +127,15 @@ bool readReply(ChildProcess& child, std::uint8_t& type, std::vector<std::uint8_t
   return check(child.read(payload, deadline));
 }
 
-ChildProcess::Clock::time_point in(double seconds) {
-  return ChildProcess::Clock::now() +
-         std::chrono::duration_cast<ChildProcess::Clock::duration>(std::chrono::duration<double>(seconds));
+ChildChannel::Clock::time_point in(double seconds) {
+  return ChildChannel::Clock::now() +
+         std::chrono::duration_cast<ChildChannel::Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 class ChildSource final : public SignalSource {
  public:
-  explicit ChildSource(const ChildSourceOptions& options) : options_(options), child_(options.child) {
+  explicit ChildSource(const ChildSourceOptions& options)
+      : options_(options), child_(openChannel(options.child)) {
     open();
   }
 
@@ -142,10 +143,10 @@ class ChildSource final : public SignalSource {
     if (stop_ != Stop::kReached) return;
     try {
       { const Request quit(outgoing_, KB_PS_QUIT); }
-      (void)child_.write(outgoing_, ChildProcess::Clock::now() + kFarewell);
-      (void)child_.finish(kFarewell);
+      (void)child_->write(outgoing_, ChildChannel::Clock::now() + kFarewell);
+      (void)child_->finish(kFarewell);
     } catch (...) {
-      // Only the farewell is lost: ~ChildProcess kills and reaps the child.
+      // Only the farewell is lost: its destructor kills and reaps the child.
     }
   }
 
@@ -159,8 +160,8 @@ class ChildSource final : public SignalSource {
     if (until <= watermark_) throw std::invalid_argument("advance() must go forward");
     Request(outgoing_, KB_PS_ADVANCE).put(until);
     const auto deadline = quantumDeadline();
-    const auto sent = child_.write(std::exchange(outgoing_, {}), deadline);
-    if (sent == ChildProcess::Io::kTimedOut) return hung();
+    const auto sent = child_->write(std::exchange(outgoing_, {}), deadline);
+    if (sent == ChildChannel::Io::kTimedOut) return hung();
     // A child that no longer reads may still have said why.
     try {
       readBatch(until, batch, deadline);
@@ -169,7 +170,7 @@ class ChildSource final : public SignalSource {
       fail(Stop::kCrashed, std::string("the child ") + fault.what());
     } catch (const Malformed& fault) {
       batch = {{}, {}, watermark_, watermark_};
-      child_.kill();
+      child_->kill();
       fail(Stop::kCrashed, std::string("the child broke the protocol: ") + fault.what());
     }
     return stop_;
@@ -211,16 +212,16 @@ class ChildSource final : public SignalSource {
     std::vector<std::uint8_t> payload;
     std::uint8_t type = 0;
     try {
-      if (child_.write(std::exchange(outgoing_, {}), deadline) == ChildProcess::Io::kTimedOut ||
-          !readReply(child_, type, payload, deadline)) {
-        child_.kill();
-        (void)child_.finish(kFarewell);
+      if (child_->write(std::exchange(outgoing_, {}), deadline) == ChildChannel::Io::kTimedOut ||
+          !readReply(*child_, type, payload, deadline)) {
+        child_->kill();
+        (void)child_->finish(kFarewell);
         throw std::runtime_error(where + "gave no answer within its wall-clock guard");
       }
       Reply reply(payload);
       if (type == KB_PS_ERROR) {
         const auto text = reply.text();
-        (void)child_.finish(kFarewell);
+        (void)child_->finish(kFarewell);
         throw std::runtime_error(text);
       }
       if (type != KB_PS_HELLO) throw Malformed("the first reply is neither HELLO nor ERROR");
@@ -240,14 +241,14 @@ class ChildSource final : public SignalSource {
     }
     info_.deterministic = true;
     info_.accepts_input = true;
-    info_.process = child_.id();
+    info_.process = child_->id();
   }
 
-  [[nodiscard]] ChildProcess::Clock::time_point quantumDeadline() const { return in(options_.hang_guard_s); }
+  [[nodiscard]] ChildChannel::Clock::time_point quantumDeadline() const { return in(options_.hang_guard_s); }
 
-  void readBatch(Tick until, Batch& batch, ChildProcess::Clock::time_point deadline) {
+  void readBatch(Tick until, Batch& batch, ChildChannel::Clock::time_point deadline) {
     std::uint8_t type = 0;
-    if (!readReply(child_, type, payload_, deadline)) {
+    if (!readReply(*child_, type, payload_, deadline)) {
       (void)hung();
       return;
     }
@@ -287,14 +288,14 @@ class ChildSource final : public SignalSource {
     reply.finish();
     batch.watermark = batch.uart_received = watermark_ = watermark;
     if (stop != Stop::kReached) {
-      (void)child_.finish(kFarewell);
+      (void)child_->finish(kFarewell);
       fail(stop, text);
     }
   }
 
   Stop hung() {
-    child_.kill();
-    (void)child_.finish(kFarewell);
+    child_->kill();
+    (void)child_->finish(kFarewell);
     return fail(Stop::kHung, "the child did not answer within its wall-clock guard and was killed");
   }
 
@@ -304,7 +305,7 @@ class ChildSource final : public SignalSource {
   }
 
   ChildSourceOptions options_;
-  ChildProcess child_;
+  std::unique_ptr<ChildChannel> child_;
   SourceInfo info_;
   std::vector<std::uint8_t> outgoing_;
   std::vector<std::uint8_t> payload_;
@@ -318,14 +319,14 @@ class ChildSource final : public SignalSource {
 }  // namespace
 
 std::string describeChild(const std::filesystem::path& child, const std::string& mcu) {
-  ChildProcess process(child);
+  const std::unique_ptr<ChildChannel> process = openChannel(child);
   std::vector<std::uint8_t> outgoing;
   Request(outgoing, KB_PS_DESCRIBE).text(mcu);
   std::uint8_t type = 0;
   std::vector<std::uint8_t> payload;
   const auto deadline = in(ChildSourceOptions{}.hang_guard_s);
-  if (process.write(outgoing, deadline) == ChildProcess::Io::kTimedOut ||
-      !readReply(process, type, payload, deadline) || type != KB_PS_DESCRIPTION)
+  if (process->write(outgoing, deadline) == ChildChannel::Io::kTimedOut ||
+      !readReply(*process, type, payload, deadline) || type != KB_PS_DESCRIPTION)
     throw std::runtime_error(child.string() + ": does not say what it emulates");
   Reply reply(payload);
   std::string text = reply.text();
