@@ -121,6 +121,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   conclusion.firmware_sha256 = base::sha256File(scenario.firmware.image);
   conclusion.firmware_version = std::move(job.controller);
   conclusion.gcode = std::move(job.gcode);
+  if (job.dialog) conclusion.remarks = job.dialog->remarks();
   judge::collectControllerEvidence(test_case, job, run.recording, provocation.lineCut_s(), run, conclusion);
   return judge::conclude(test_case, run, conclusion, options, stopwatch, console);
 }

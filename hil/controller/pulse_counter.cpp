@@ -26,6 +26,12 @@ Signal dirOf(Signal pul) { return static_cast<Signal>(static_cast<std::size_t>(p
 
 }  // namespace
 
+std::string axisNameOf(Signal pul) {
+  std::string name(signalName(pul));
+  name.resize(name.size() - std::string_view("_pul").size());
+  return name;
+}
+
 template <class Take>
 void PulseCounter::forEachPulse(const Axis& axis, Take take) const {
   bool dir = false;
@@ -80,6 +86,11 @@ std::pair<long long, long long> PulseCounter::beltAround(const UartListener::Bel
   return {low, high};
 }
 
+std::optional<long long> PulseCounter::net(Signal pul) const {
+  const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
+  return axis == axes_.end() ? std::nullopt : std::optional(axis->net);
+}
+
 double PulseCounter::pulse_s(Signal pul, long long count) const {
   const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
   double time_s = kNan;
@@ -120,9 +131,7 @@ inspect::ControllerAccount PulseCounter::compareWithReport(const std::optional<U
   if (!report) return account;
   for (const Axis& axis : axes_) {
     const auto index = static_cast<std::size_t>(std::ranges::find(kPuls, axis.pul) - kPuls.begin());
-    std::string name(signalName(axis.pul));
-    name.resize(name.size() - std::string_view("_pul").size());
-    account.axes.push_back({name, report->steps[index], axis.net});
+    account.axes.push_back({axisNameOf(axis.pul), report->steps[index], axis.net});
   }
   if (belt_wired_ && report->first_belt.time_s < report->belt.time_s) {
     const auto [first_min, first_max] = beltAround(report->first_belt, uart);

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct UartTiming {
 /// and forwards while DIR is high.
 using DriveOfPul = std::pair<Signal, DriverProfile>;
 
+/// Name of the axis of a PUL, "gantry_x".
+std::string axisNameOf(Signal pul);
+
 /// Sums over the pins of a run, from the recording alone, without the twin.
 class PulseCounter {
  public:
@@ -33,6 +37,8 @@ class PulseCounter {
 
   /// Time of the last active edge of any PUL; < 0: none.
   [[nodiscard]] double lastPulse_s() const { return last_pulse_s_; }
+  /// Steps of this PUL's axis from where the recording found it; nullopt if it is not wired.
+  [[nodiscard]] std::optional<long long> net(Signal pul) const;
   /// Time of the active edge number `count` (from 1) of this PUL; NaN if it never came.
   [[nodiscard]] double pulse_s(Signal pul, long long count) const;
   /// Time of the first active edge of this PUL that leaves its axis outside of [low, high] steps from where

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
@@ -58,6 +59,8 @@ report::RunReport reportOf(const scenario::Case& test_case, const run::RecordedR
     report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
   if (!conclusion.firmware_version.empty())
     report.versions.emplace_back("controller", conclusion.firmware_version);
+  if (!conclusion.remarks.empty())
+    report.versions.emplace_back("firmware's words", fmt::format("{}", fmt::join(conclusion.remarks, " ")));
   for (const std::filesystem::path& input : test_case.inputs) {
     report.inputs.push_back(
         {input.lexically_relative(scenario.path.parent_path()).generic_string(), base::sha256File(input)});

@@ -30,7 +30,8 @@ struct Conclusion {
   const twin::SampledMachine* sampled{};  ///< The machine that ran; not null.
   run::ModelMachine* machine{};  ///< After its run: cameras, film, and what the model alone knows; not null.
   SpotWatch* spot_watch{};       ///< Looked at that machine during its run; may be null.
-  std::string gcode;             ///< Written to the results folder unless empty.
+  std::vector<std::string> remarks;  ///< What the firmware said that is no fault, in sentences.
+  std::string gcode;                 ///< Written to the results folder unless empty.
   controller::ControllerReport words;
   std::filesystem::path spot_frames;  ///< Recording of a real spot camera; empty: none.
   bool unsealed{};                    ///< A recording without a sum of its own is replayed.

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "hil/controller/pulse_counter.h"
+#include "hil/controller/status_report.h"
 #include "hil/controller/uart_listener.h"
 #include "hil/judge/safe_demand.h"
 #include "hil/scenario/pul_axes.h"
@@ -38,6 +39,21 @@ controller::PulseCounter pulsesOf(const scenario::Case& test_case, const source:
   return {recording, test_case.machine.signals, drives};
 }
 
+/// Where a firmware that is asked by `?` says that it is, beside its pulses; nothing where it does not say,
+/// has homed (its places count from there), or moves mirrors, which have no mm.
+std::optional<inspect::ControllerAccount> accountOfReport(const scenario::Case& test_case,
+                                                          const source::PinRecording& recording) {
+  const twin::MachineDescription& machine = test_case.machine;
+  if (machine.kind != twin::MachineDescription::Kind::kGantry) return std::nullopt;
+  const bool homes = std::ranges::any_of(test_case.scenario.firmware.setup,
+                                         [](const std::string& line) { return line.starts_with("$H"); });
+  const std::optional<controller::StatusReport> report = controller::lastStatus(recording);
+  if (homes || !report) return std::nullopt;
+  return controller::compareWithStatus(
+      *report, pulsesOf(test_case, recording),
+      {{{Signal::kGantryXPul, machine.gantry_x.step}, {Signal::kGantryYPul, machine.gantry_y.step}}});
+}
+
 /// Adds the problem to run and recording, unless it is there: a replay has it already.
 void addProblem(const std::string& problem, run::RecordedRun& run) {
   if (problem.empty()) return;
@@ -64,6 +80,8 @@ void collectControllerEvidence(const scenario::Case& test_case, const run::Prepa
   const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
   if (firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench) {
     addProblem(run.dialog.reason, run);
+    if (firmware.dialog == scenario::FirmwareChoice::Dialog::kLineOk)
+      conclusion.words.account = accountOfReport(test_case, recording);
     return;
   }
   const controller::PulseCounter pins = pulsesOf(test_case, recording);

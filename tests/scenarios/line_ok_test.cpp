@@ -168,11 +168,13 @@ TEST_F(Grbl, WithABlankEepromPassesAndItsComplaintIsTold) {
   const auto result = plateWith(kSetup);
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("The firmware said \"error:7\" before it was sent anything."));
+  EXPECT_THAT(verdict().at("versions").at("firmware's words").get<std::string>(), HasSubstr("error:7"));
+  EXPECT_THAT(checksThat(verdict(), "PASS"), testing::Contains("account"));
 }
 
 TEST_F(Grbl, WithAWrongScaleFailsByThePath) {
   EXPECT_EQ(plateWith(std::string(kSetup) + ", $100=250.5").exit_code, 1);
-  EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("path"));
+  EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::IsSupersetOf({"path", "account"}));
   EXPECT_THAT(verdict().at("likely_cause").get<std::string>(), testing::StartsWith("X moves 0.2"));
 }
 
