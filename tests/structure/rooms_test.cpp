@@ -97,7 +97,7 @@ TEST(Rooms, AreAllTheFoldersWithSources) {
   // The children are programs of their own, with a library for them, and the firmware is C without the
   // project's rooms.
   static const std::regex kOther(
-      R"(hil/source/(emulator|avr_child|cortex_m_child)|hil/source/analyser/sigrok_child|firmware_under_test/controller.*|firmware_under_test/planner/kerfplan)");
+      R"(hil/source/(emulator|avr_child|cortex_m_child|mcs51_child)|hil/source/analyser/sigrok_child|firmware_under_test/controller.*|firmware_under_test/planner/kerfplan)");
   const Graph graph = linked();
   for (const char* top : {"twin", "hil", "firmware_under_test"}) {
     for (const auto& entry : fs::recursive_directory_iterator(sourceRoot() / top)) {
