@@ -46,7 +46,7 @@ class Ports {
  private:
   struct Port {
     std::uint8_t latch{};
-    std::uint8_t pulled{};  // By peripherals.
+    std::uint8_t pulled{};  // Down, by peripherals.
     std::uint8_t m1{};      // 1 without m0: listens only.
     std::uint8_t m0{};      // 1 without m1: pushes and pulls.
     std::uint8_t outside{0xFF};

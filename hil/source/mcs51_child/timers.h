@@ -53,7 +53,7 @@ class Timers {
     std::uint8_t mode{};
     std::uint8_t high{};     // TH where it does not count with TL.
     std::uint8_t upper{};    // Bits 5 to 7 of TL in mode 0, which do not count.
-    std::uint16_t reload{};  // Of the STC15's mode 0.
+    std::uint16_t reload{};  // What the STC15's mode 0 starts from.
     bool counts_edges{};
   };
   [[nodiscard]] std::uint8_t low(const Timer& timer) const;

@@ -16,6 +16,7 @@ Uart::Uart(const Part& part, Sfrs& sfrs, Interrupts& interrupts, Ports& ports, T
 void Uart::reset() {
   stage_ = Stage::kNone;
   shifts_ = 0;
+  was_listening_ = false;
 }
 
 /// The tick of a rollover of the divider that makes bits.
@@ -63,6 +64,8 @@ void Uart::send(std::uint8_t byte, Tick tick) {
 }
 
 void Uart::configure(Tick tick) {
+  if (isListening() && !was_listening_) listens_since_ = tick;
+  was_listening_ = isListening();
   const bool may_shift_in = mode() == 0 && (sfrs_[kScon] & (kRen | kRi)) == kRen;
   if (may_shift_in && stage_ == Stage::kNone) {
     stage_ = Stage::kShiftsIn;
@@ -149,7 +152,7 @@ void Uart::shift(Tick tick) {
 /// 1. Else the frame is lost.
 void Uart::receive(const Frame& frame) {
   const double ticks_per_bit = receiveTicksPerBit();
-  if (!isListening() || ticks_per_bit == 0) return;
+  if (!isListening() || ticks_per_bit == 0 || frame.begins < listens_since_) return;
   ++heard_;
   is_too_soon_ = static_cast<double>(frame.begins) < busy_until_;
   // Behind bit 9 the receiver waits for the time of a bit.

@@ -85,6 +85,8 @@ class Uart {
   std::uint8_t shifted_{};
   std::uint64_t heard_{};
   double busy_until_{};
+  Tick listens_since_{};
+  bool was_listening_{};
   bool is_too_soon_{};
   std::deque<Frame> incoming_;
   std::vector<Frame> sent_;
