@@ -73,7 +73,7 @@ void Chip::execute(Tick limit) {
   now_ = ends_;
 }
 
-bool Chip::settle() {
+bool Chip::settleDue() {
   advance(now_);
   if (std::exchange(is_reset_due_, false)) {
     reset(now_);

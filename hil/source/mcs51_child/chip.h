@@ -30,7 +30,10 @@ class Chip : private Peripherals {
   void execute(Tick limit);
   /// After execute(), and again after each call: peripherals catch up, and an interrupt is entered if one is
   /// due. Returns whether one was, which takes the time of a call.
-  bool settle();
+  bool settle() {
+    const bool is_quiet = next_ > now_ && !is_reset_due_ && !cpu_.hasReturned() && !interrupts_.hasPending();
+    return !is_quiet && settleDue();
+  }
   /// A level on a pin from outside. @pre `tick` is not before the last one. Before settle().
   void drive(unsigned port, unsigned bit, bool level, Tick tick);
 
@@ -61,6 +64,7 @@ class Chip : private Peripherals {
   void feedWatchdog(std::uint8_t value);
   [[nodiscard]] int portAt(std::uint8_t address) const;
 
+  bool settleDue();
   void reset(Tick tick);
   void advance(Tick tick);
   void refreshNext();

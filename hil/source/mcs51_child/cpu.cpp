@@ -27,13 +27,6 @@ void Cpu::setFault(const std::string& what) {
   fault_ = what + where;
 }
 
-std::uint8_t Cpu::fetchOpcode() {
-  began_at_ = pc_;
-  if (pc_ < code_.size()) return code_[pc_++];
-  setFault("the program counter left the code memory");
-  return 0xA5;
-}
-
 std::uint16_t Cpu::wordOperand() {
   const unsigned high = operand();
   return static_cast<std::uint16_t>(high << 8U | operand());
@@ -77,18 +70,6 @@ void Cpu::writeDirect(std::uint8_t address, std::uint8_t value) {
     default:
       peripherals_.writeSfr(address, value);
   }
-}
-
-std::uint8_t& Cpu::indirect(std::uint8_t address) {
-  if (address >= part_.iram_bytes) setFault("an access to internal RAM beyond its end");
-  return iram_[address];
-}
-
-std::uint8_t& Cpu::registerOf(std::uint8_t opcode) { return iram_[(sfrs_[kPsw] & kBank) | (opcode & 7U)]; }
-
-/// The operand of columns 6 to F: the byte that R0 or R1 points at, or a register.
-std::uint8_t& Cpu::registerOrIndirect(std::uint8_t opcode) {
-  return (opcode & 8U) != 0 ? registerOf(opcode) : indirect(registerOf(opcode & 1U));
 }
 
 /// The source operand by the column of the opcode: immediate, direct, indirect or a register.

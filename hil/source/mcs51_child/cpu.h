@@ -36,13 +36,19 @@ class Cpu {
   void reset();
 
   /// The opcode at the program counter; 0xA5 with a fault() where no memory is.
-  std::uint8_t fetchOpcode();
+  std::uint8_t fetchOpcode() {
+    began_at_ = pc_;
+    if (pc_ < code_.size()) return code_[pc_++];
+    setFault("the program counter left the code memory");
+    return 0xA5;
+  }
   /// Carries out the instruction whose opcode has just been fetched.
   void execute(std::uint8_t opcode);
   /// Pushes the program counter and goes to `vector`.
   void call(std::uint16_t vector);
   /// Whether the last instruction was RETI; forgets it.
   bool takeReturnFromInterrupt() { return std::exchange(has_returned_, false); }
+  [[nodiscard]] bool hasReturned() const { return has_returned_; }
 
   [[nodiscard]] std::uint32_t pc() const { return pc_; }
   void setPc(std::uint16_t pc) { pc_ = pc; }
@@ -65,9 +71,15 @@ class Cpu {
   // Memory.
   std::uint8_t readDirect(std::uint8_t address, bool is_latch = false);
   void writeDirect(std::uint8_t address, std::uint8_t value);
-  std::uint8_t& indirect(std::uint8_t address);
-  std::uint8_t& registerOf(std::uint8_t opcode);
-  std::uint8_t& registerOrIndirect(std::uint8_t opcode);
+  std::uint8_t& indirect(std::uint8_t address) {
+    if (address >= part_.iram_bytes) setFault("an access to internal RAM beyond its end");
+    return iram_[address];
+  }
+  std::uint8_t& registerOf(std::uint8_t opcode) { return iram_[(sfrs_[kPsw] & kBank) | (opcode & 7U)]; }
+  /// The operand of columns 6 to F: the byte that R0 or R1 points at, or a register.
+  std::uint8_t& registerOrIndirect(std::uint8_t opcode) {
+    return (opcode & 8U) != 0 ? registerOf(opcode) : indirect(registerOf(opcode & 1U));
+  }
   std::uint8_t source(std::uint8_t opcode);
   bool readBit(std::uint8_t bit, bool is_latch = false);
   void writeBit(std::uint8_t bit, bool on);
@@ -81,6 +93,11 @@ class Cpu {
   std::uint8_t& bRegister() { return sfrs_[kB]; }
   [[nodiscard]] bool carry() const { return (sfrs_[kPsw] & kCarry) != 0; }
   void setCarry(bool on) { sfrs_.set(kPsw, kCarry, on); }
+  void setFlags(bool carry_out, bool auxiliary, bool overflow) {
+    const unsigned others = sfrs_[kPsw] & ~unsigned{kCarry | kAuxiliaryCarry | kOverflow};
+    sfrs_[kPsw] = static_cast<std::uint8_t>(others | (carry_out ? kCarry : 0U) |
+                                            (auxiliary ? kAuxiliaryCarry : 0U) | (overflow ? kOverflow : 0U));
+  }
   [[nodiscard]] std::uint16_t dptr() const;
   void setDptr(std::uint16_t value);
   [[nodiscard]] bool usesSecondDptr() const { return part_.has_second_dptr && (sfrs_[kAuxr1] & 1U) != 0; }

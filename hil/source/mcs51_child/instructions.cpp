@@ -95,9 +95,7 @@ void Cpu::add(std::uint8_t value, bool carry_in) {
   const unsigned a = acc();
   const unsigned in = carry_in ? 1 : 0;
   const unsigned sum = a + value + in;
-  sfrs_.set(kPsw, kCarry, sum > 0xFF);
-  sfrs_.set(kPsw, kAuxiliaryCarry, (a & 0xFU) + (value & 0xFU) + in > 0xF);
-  sfrs_.set(kPsw, kOverflow, (~(a ^ value) & (a ^ sum) & 0x80U) != 0);
+  setFlags(sum > 0xFF, (a & 0xFU) + (value & 0xFU) + in > 0xF, (~(a ^ value) & (a ^ sum) & 0x80U) != 0);
   acc() = static_cast<std::uint8_t>(sum);
 }
 
@@ -105,9 +103,8 @@ void Cpu::subtract(std::uint8_t value) {
   const unsigned a = acc();
   const unsigned borrow = carry() ? 1 : 0;
   const unsigned difference = a - value - borrow;
-  sfrs_.set(kPsw, kCarry, a < value + borrow);
-  sfrs_.set(kPsw, kAuxiliaryCarry, (a & 0xFU) < (value & 0xFU) + borrow);
-  sfrs_.set(kPsw, kOverflow, ((a ^ value) & (a ^ difference) & 0x80U) != 0);
+  setFlags(a < value + borrow, (a & 0xFU) < (value & 0xFU) + borrow,
+           ((a ^ value) & (a ^ difference) & 0x80U) != 0);
   acc() = static_cast<std::uint8_t>(difference);
 }
 

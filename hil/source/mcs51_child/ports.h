@@ -28,16 +28,16 @@ class Ports {
     return port < kPorts && bit < 8 && (part_.ports >> port & 1U) != 0;
   }
   /// Something outside drives a pin from now on.
-  void drive(unsigned port, unsigned bit, bool level);
+  void drive(unsigned index, unsigned bit, bool level);
 
   [[nodiscard]] std::uint8_t latch(unsigned port) const { return ports_[port].latch; }
-  void setLatch(unsigned port, std::uint8_t value, Tick tick);
+  void setLatch(unsigned index, std::uint8_t value, Tick tick);
   /// PxM1 and PxM0 of the STC15.
-  void setMode(unsigned port, bool is_m1, std::uint8_t value, Tick tick);
+  void setMode(unsigned index, bool is_m1, std::uint8_t value, Tick tick);
   /// Peripherals pull these bits down.
-  void setPulledByPeripheral(unsigned port, std::uint8_t mask, bool is_low, Tick tick);
+  void setPulledByPeripheral(unsigned index, std::uint8_t mask, bool is_low, Tick tick);
   /// Levels at the pins.
-  [[nodiscard]] std::uint8_t pins(unsigned port) const;
+  [[nodiscard]] std::uint8_t pins(unsigned index) const;
 
   [[nodiscard]] bool isFlooded() const { return is_flooded_; }
   /// Events until this tick, included; later ones stay.
@@ -53,7 +53,7 @@ class Ports {
     std::uint8_t told{};  // Level by the last event.
   };
   [[nodiscard]] static std::uint8_t driven(const Port& port);
-  void update(unsigned port, Tick tick);
+  void update(unsigned index, Tick tick);
 
   const Part& part_;
   std::size_t max_events_;
