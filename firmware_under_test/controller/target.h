@@ -9,7 +9,11 @@
 
 #include <stdint.h>
 
+#ifdef KB_TARGET_STM32
+#define KB_CPU_HZ 72000000UL
+#else
 #define KB_CPU_HZ 16000000UL
+#endif
 
 #ifdef KB_TARGET_GALVO
 /* Digital galvos with PUL/DIR inputs of some MHz: ticks of 1 us, periods of 128 us. The target stands for the
@@ -29,6 +33,24 @@
 #define KB_SPACE_CYCLES 9U
 #define KB_LATE_CYCLES 0U /* longest lateness of a tick */
 typedef uint16_t kb_ticks_t;
+#elif defined(KB_TARGET_STM32)
+/* STM32F103 at 72 MHz, in ticks, periods and pulses as long as the AVR's, so that both make the same pulses
+ * of the same program. */
+#define KB_TARGET_NAME "stm32"
+#define KB_BAUD 250000UL
+#define KB_TICK_CYCLES 1800U
+#define KB_TICKS_PER_PERIOD 32U
+#define KB_QUEUE_SIZE 4096U
+#define KB_TIME_CYCLES 288U
+#define KB_PWM_TICKS 1U
+#define KB_LASER_EVENTS 16U
+#define KB_PULSE_COUNT 540U /* count of the tick's timer at which PUL ends */
+#define KB_SETUP_CYCLES 360U
+#define KB_HOLD_CYCLES 450U
+#define KB_WIDTH_CYCLES 450U
+#define KB_SPACE_CYCLES 360U
+#define KB_LATE_CYCLES 1170U
+typedef uint8_t kb_ticks_t;
 #else
 /* ATmega2560 at 16 MHz at its limit: ticks of 25 us, periods of 0.8 ms. */
 #define KB_TARGET_NAME "avr"

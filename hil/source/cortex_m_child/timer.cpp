@@ -25,9 +25,9 @@ Timer::Timer(const Surroundings& around, unsigned number)
 }
 
 void Timer::reset() {
-  for (const Channel& channel : channels_) {
-    if (channel.pin) pins_.setAlternate(*channel.pin, false, false);
-    if (channel.complement) pins_.setAlternate(*channel.complement, false, false);
+  for (Channel& channel : channels_) {
+    put(channel.pin, channel.shown, {});
+    put(channel.complement, channel.complement_shown, {});
   }
   channels_.fill({});
   control1_ = control2_ = slave_ = interrupts_ = status_ = enable_ = break_ = 0;

@@ -49,12 +49,19 @@ class Timer final : public Device {
 
  private:
   enum class Source { kInternal, kEncoder, kExternal };
+  /// What the pins were told last.
+  struct Output {
+    bool is_taken{};
+    bool level{};
+    bool operator==(const Output&) const = default;
+  };
   struct Channel {
     std::uint32_t compare{};  ///< CCR as it was written, and as it takes part in comparisons.
     std::uint32_t active_compare{};
     bool reference{};  ///< OCxREF
     std::optional<Pin> pin;
     std::optional<Pin> complement;
+    Output shown, complement_shown;
     unsigned captures{};  ///< Edges that the input's prescaler has passed over.
     bool input{};         ///< Level of the input, as its pin last had it.
   };
@@ -71,7 +78,6 @@ class Timer final : public Device {
   [[nodiscard]] bool watchesUpdate() const;
   void count(Cycle steps);
   void skipWholePeriods(Cycle& steps);
-  void move(std::uint32_t steps);
   void turn();
   void compareAll();
   void onUpdate(bool by_software);
@@ -91,6 +97,7 @@ class Timer final : public Device {
   void updateReference(unsigned channel, bool is_match);
   void showOutputs();
   void show(unsigned channel);
+  void put(const std::optional<Pin>& pin, Output& shown, Output wanted);
   void findPins();
   [[nodiscard]] std::optional<Pin> pinOf(unsigned channel) const;
   [[nodiscard]] std::optional<Pin> complementOf(unsigned channel) const;

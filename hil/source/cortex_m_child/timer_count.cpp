@@ -99,11 +99,13 @@ void Timer::skipWholePeriods(Cycle& steps) {
 /// Makes a number of counts of which only the last may come to a turn or a compare value.
 void Timer::count(Cycle steps) {
   if (steps == 0) return;
+  const bool is_event = steps >= stepsToNext(false);
   if (steps >= stepsToTurn()) {
     turn();
   } else {
     count_ = down_ ? count_ - static_cast<std::uint32_t>(steps) : count_ + static_cast<std::uint32_t>(steps);
   }
+  if (!is_event) return;
   compareAll();
   showOutputs();
 }

@@ -50,23 +50,28 @@ void Timer::showOutputs() {
 }
 
 void Timer::show(unsigned channel) {
-  const Channel& own = channels_[channel];
+  Channel& own = channels_[channel];
   if (isInput(channel)) return;
   const bool is_main_on = number_ != 1 || (break_ >> 15 & 1U) != 0;
   const std::uint32_t bits = enable_ >> (4 * channel);
   const bool is_on = (bits & 1U) != 0;
   // A complementary output that is alone is not inverted (RM0008, table of output control bits).
   const bool complement_level = (is_on ? !own.reference : own.reference) != ((bits & 8U) != 0);
-  if (own.pin) pins_.setAlternate(*own.pin, is_on && is_main_on, own.reference != ((bits & 2U) != 0));
-  if (own.complement) pins_.setAlternate(*own.complement, (bits & 4U) != 0 && is_main_on, complement_level);
+  put(own.pin, own.shown, {is_on && is_main_on, own.reference != ((bits & 2U) != 0)});
+  put(own.complement, own.complement_shown, {(bits & 4U) != 0 && is_main_on, complement_level});
+}
+
+void Timer::put(const std::optional<Pin>& pin, Output& shown, Output wanted) {
+  if (!pin || shown == wanted) return;
+  shown = wanted;
+  pins_.setAlternate(*pin, wanted.is_taken, wanted.level);
 }
 
 void Timer::onRemap() {
   runTo(present_.cycle);
-  for (const Channel& channel : channels_) {
-    if (channel.pin && !isInput(static_cast<unsigned>(&channel - channels_.data())))
-      pins_.setAlternate(*channel.pin, false, false);
-    if (channel.complement) pins_.setAlternate(*channel.complement, false, false);
+  for (Channel& channel : channels_) {
+    put(channel.pin, channel.shown, {});
+    put(channel.complement, channel.complement_shown, {});
   }
   findPins();
   showOutputs();
