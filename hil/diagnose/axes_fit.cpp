@@ -190,10 +190,10 @@ std::vector<Way> turnedWays() {
 }
 
 /// The way that alone explains the distance, if there is one among these.
-std::optional<Found> onlyOne(std::vector<Found> ways, double before_mm) {
+std::optional<Found> onlyOne(std::vector<Found> ways, double before_mm, double left_mm) {
   std::ranges::sort(ways, {}, &Found::rest_mm);
   const double rest_mm = std::max(ways[0].rest_mm, kSmallestRest_mm);
-  if (ways[0].rest_mm > kLeft * before_mm) return std::nullopt;
+  if (ways[0].rest_mm > std::min(kLeft * before_mm, left_mm)) return std::nullopt;
   if (ways.size() > 1 && ways[1].rest_mm < kAsGood * rest_mm) return std::nullopt;
   return ways[0];
 }
@@ -216,7 +216,7 @@ std::optional<AxesFit> fitAxes(const std::vector<LitInstant>& path, const PlaceO
   };
   std::vector<Found> turned;
   for (const Way& way : turnedWays()) turned.push_back({way, {}, fitter.distance_mm(way)});
-  if (const auto found = onlyOne(turned, before_mm)) return fitOf(*found);
+  if (const auto found = onlyOne(turned, before_mm, options.left_mm)) return fitOf(*found);
   if (!options.with_scale) return std::nullopt;
   for (Found& found : turned) {
     Found resized{{found.way.swapped, found.way.factor.cwiseProduct(fitter.sizeRatio(found.way))}, {}, 0.0};
@@ -230,8 +230,8 @@ std::optional<AxesFit> fitAxes(const std::vector<LitInstant>& path, const PlaceO
     if (resized.rest_mm < found.rest_mm) found = resized;
   }
   // The plain way with another scale asks for less than one that turns an axis as well.
-  if (const auto found = onlyOne({turned.front()}, before_mm)) return fitOf(*found);
-  if (const auto found = onlyOne(turned, before_mm)) return fitOf(*found);
+  if (const auto found = onlyOne({turned.front()}, before_mm, options.left_mm)) return fitOf(*found);
+  if (const auto found = onlyOne(turned, before_mm, options.left_mm)) return fitOf(*found);
   return std::nullopt;
 }
 

@@ -36,6 +36,8 @@ struct AxesFit {
 struct AxesFitOptions {
   /// Axes are looked at from this RMS distance on; the limit of a path is a good one.
   double worth_mm{0.05};
+  /// What may be left of it: a cause leaves what a good path has.
+  double left_mm{0.1};
   /// Also a scale that differs from 1. Not for a sheet that moves, whose following can look like one.
   bool with_scale{true};
 };

@@ -16,6 +16,8 @@ namespace {
 constexpr std::size_t kLookedAt = 400;
 /// Share of the path's limit from which on a distance is worth a cause.
 constexpr double kWorth = 0.4;
+/// Share of the limit that a cause leaves at most: belts and loops that are followed leave something.
+constexpr double kLeft = 2.0;
 
 std::array<diagnose::AxisNames, 2> namesOf(const twin::MachineDescription& machine) {
   if (machine.kind == twin::MachineDescription::Kind::kGantry)
@@ -58,6 +60,7 @@ std::string axesCause(const scenario::Case& test_case, const source::PinRecordin
   const scenario::Scenario& scenario = test_case.scenario;
   diagnose::AxesFitOptions options;
   options.worth_mm = kWorth * scenario.limits.path_mm;
+  options.left_mm = kLeft * scenario.limits.path_mm;
   // Following the belt, and a path beside the lines, can look like a scale.
   options.with_scale =
       !scenario.sheetMoves() && !scenario.belt_by_controller && scenario.job.kerf_radius_mm == 0.0;

@@ -138,6 +138,7 @@ class Lockstep {
       std::vector<SensorEdge> edges = model_.predictSensors(until);
       if (options_.provocation != nullptr) options_.provocation->changeSensors(edges, now_, until);
       if (options_.by_itself) pressStart(edges, until);
+      if (now_ == 0 && info_.deterministic) driveLow();
       sendSensors(source_, edges, map_, result_.recording);
     }
     const source::Stop stop = halted_ ? rest(until) : source_.advance(until, batch_);
@@ -176,6 +177,15 @@ class Lockstep {
     if (!finishing_) return;
     const bool has_failed = dialog_->state() == Dialog::State::kFailed;
     endIn(std::max(options_.settle_s, has_failed ? 0.0 : dialog_->quiet_s()));
+  }
+
+  /// A sensor drives its line from the start, low or high: an emulated input that nobody drives would follow
+  /// its pull-up. Recordings say the same by their first level, which is low.
+  void driveLow() {
+    for (std::size_t i = 0; i < kSignalCount; ++i) {
+      const auto signal = static_cast<Signal>(i);
+      if (const auto pin = map_.pin(signal); pin && isSensor(signal)) source_.drive(*pin, false, 1);
+    }
   }
 
   [[nodiscard]] bool isStarted() const { return finishing_ || isPulsed(batch_.events, map_); }

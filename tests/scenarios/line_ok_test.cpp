@@ -151,9 +151,9 @@ TEST_F(LineOkFirmware, AnotherReleaseCanBeNamedOnTheCommandLine) {
 class Grbl : public LineOkFirmware {
  protected:
   void SetUp() override {
-    if (image() == nullptr) GTEST_SKIP() << "KERFBENCH_GRBL_IMAGE is not set";
+    if (image() == nullptr) GTEST_SKIP() << "the variable that names the image is not set";
   }
-  static const char* image() { return std::getenv("KERFBENCH_GRBL_IMAGE"); }
+  [[nodiscard]] virtual const char* image() const { return std::getenv("KERFBENCH_GRBL_IMAGE"); }
   [[nodiscard]] ProgramRun plateWith(const std::string& setup, const std::string& more = "") const {
     const auto path = scratch_.path() / "changed.yaml";
     std::ofstream(path) << "extends: " << fixture("scenarios/line-ok/grbl-plate.yaml").string()
@@ -227,6 +227,33 @@ TEST_F(LineOkFirmware, ABeltAtRestMustSayWhereTheSheetLies) {
   EXPECT_EQ(result.exit_code, 65);
   EXPECT_THAT(result.output, HasSubstr("rest.yaml:3: belt.speed_mm_s: "));
   EXPECT_THAT(result.output, HasSubstr("start_x_mm"));
+}
+
+// KERFBENCH_GRBL_XY_IMAGE names one whose HOMING_CYCLE_0 is X and Y: there is no Z here that could go home.
+class GrblHoming : public Grbl {
+ protected:
+  [[nodiscard]] const char* image() const override { return std::getenv("KERFBENCH_GRBL_XY_IMAGE"); }
+  // Switches are high when they trip, and lie at the far ends of 800 and 430 mm.
+  static constexpr const char* kHome =
+      "$5=1, $22=1, $24=100, $25=3000, $27=1, $130=900, $131=900, $H, G10 L2 P1 X-800 Y-430";
+};
+
+TEST_F(GrblHoming, FindsTheSwitchesOfTheMachineAndCutsFromThere) {
+  const auto result = plateWith(fmt::format("{}, {}", kSetup, kHome));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+}
+
+TEST_F(GrblHoming, ASoftLimitIsAnAlarmWithTheLineThatRanIntoIt) {
+  std::ofstream(scratch_.path() / "far.gcode") << "G21 G90\nG0 X-150 Y20\n";
+  const auto result = plateWith(fmt::format("{}, {}, $20=1", kSetup, kHome), ", gcode: far.gcode");
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("ALARM:2 to line 2: G0 X-150 Y20"));
+}
+
+TEST_F(GrblHoming, SwitchesThatAreTakenForTheirOppositeAreAnAlarm) {
+  const auto result = plateWith("$5=0, $22=1, $130=900, $131=900, $H");
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("ALARM:8 to line 5 of the setup: $H"));
 }
 
 }  // namespace

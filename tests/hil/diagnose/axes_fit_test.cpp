@@ -138,6 +138,10 @@ TEST(AxesFit, OtherFaultsOfAPathAreNoFaultOfTheAxes) {
     return Eigen::Vector2d(s.x() + noise(random), s.y() + noise(random));
   }));
   EXPECT_FALSE(fitOf([](const Eigen::Vector2d& s) { return Eigen::Vector2d(s.x() + 500.0, s.y() - 300.0); }));
+  // A job that begins somewhere else, as after homing without an offset.
+  EXPECT_FALSE(fitOf([](const Eigen::Vector2d& s) {
+    return Eigen::Vector2d(s.x() + 750.0 / kStep_mm, s.y() + 400.0 / kStep_mm);
+  }));
   // Steps that are lost in the middle.
   int count = 0;
   EXPECT_FALSE(fitOf([&](const Eigen::Vector2d& s) {
