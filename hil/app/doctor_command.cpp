@@ -34,9 +34,9 @@ int examine(const DoctorOptions& options) {
              : 1;
 }
 
-int tryChild(const doctor::ChildOptions& options) {
+int tryChild(const doctor::ChildOptions& options, bool json) {
   const std::vector<doctor::DoctorFinding> findings = doctor::checkChild(options);
-  std::fputs(doctor::findingsText(findings).c_str(), stdout);
+  std::fputs((json ? doctor::findingsJson(findings) : doctor::findingsText(findings)).c_str(), stdout);
   return std::ranges::all_of(
              findings,
              [](const doctor::DoctorFinding& f) { return f.grade == doctor::DoctorFinding::Grade::kGood; })
@@ -49,7 +49,7 @@ int tryChild(const doctor::ChildOptions& options) {
 int doctorCommand(const DoctorOptions& options) {
   if (options.bench.wanted) return doctor::measureLoopback(options.bench, options.json);
   if (!options.child.child.empty())
-    return cli::runGuarded(options.child.image, [&] { return tryChild(options.child); });
+    return cli::runGuarded(options.child.image, [&] { return tryChild(options.child, options.json); });
   return cli::runGuarded(options.scenario, [&] { return examine(options); });
 }
 

@@ -55,8 +55,9 @@ std::vector<DoctorFinding> findingsOf(const ComputerState& state);
 std::vector<DoctorFinding> needsOf(const scenario::Case& test_case, const ComputerState& state,
                                    const std::filesystem::path& bin_dir);
 
-/// The findings alone, a line each.
+/// The findings alone, a line each, and as JSON with the `findings` of doctorJson().
 std::string findingsText(const std::vector<DoctorFinding>& findings);
+std::string findingsJson(const std::vector<DoctorFinding>& findings);
 /// The part of findingsOf() and needsOf() that is about logic analysers.
 void addAnalyserFindings(const ComputerState& state, std::vector<DoctorFinding>& findings);
 void addAnalyserNeeds(const scenario::AnalyserChoice& choice, const ComputerState& state,

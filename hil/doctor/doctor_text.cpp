@@ -95,6 +95,21 @@ std::string doctorText(const ComputerState& state, const std::vector<DoctorFindi
   return text + findingsText(findings);
 }
 
+namespace {
+
+Json listOf(const std::vector<DoctorFinding>& findings) {
+  Json list = Json::array();
+  for (const DoctorFinding& finding : findings)
+    list.push_back({{"grade", nameOf(finding.grade)}, {"text", finding.text}});
+  return list;
+}
+
+std::string textOf(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
 std::string doctorJson(const ComputerState& state, const std::vector<DoctorFinding>& findings,
                        const std::string& scenario) {
   Json json;
@@ -107,11 +122,12 @@ std::string doctorJson(const ComputerState& state, const std::vector<DoctorFindi
   json["analysers"] = analysersJson(state.analysers);
   json["clock"] = {{"source", state.clock_source}, {"resolution_ns", state.clock_resolution_ns}};
   json["real_time"] = {{"allowed", state.real_time_notes.empty()}};
-  Json list = Json::array();
-  for (const DoctorFinding& finding : findings)
-    list.push_back({{"grade", nameOf(finding.grade)}, {"text", finding.text}});
-  json["findings"] = std::move(list);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  json["findings"] = listOf(findings);
+  return textOf(json);
+}
+
+std::string findingsJson(const std::vector<DoctorFinding>& findings) {
+  return textOf(Json{{"findings", listOf(findings)}});
 }
 
 }  // namespace kerfbench::doctor

@@ -2,6 +2,7 @@
 #include "hil/doctor/child_check.h"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
@@ -47,6 +48,13 @@ TEST_F(ChildCheck, TheOneToStartFromIsGood) {
   ASSERT_EQ(findings.size(), 5U);
   EXPECT_THAT(findings[0].text, HasSubstr("a tick is 1/16000000 s"));
   EXPECT_THAT(findings[1].text, HasSubstr("299 events in order"));
+}
+
+TEST_F(ChildCheck, TheFindingsAreJsonAsWell) {
+  const auto json = nlohmann::json::parse(findingsJson(check(base::fixture("children/script_child.py"))));
+  ASSERT_EQ(json.at("findings").size(), 5U);
+  EXPECT_EQ(json.at("findings")[0].at("grade"), "good");
+  EXPECT_THAT(json.at("findings")[1].at("text").get<std::string>(), HasSubstr("299 events in order"));
 }
 
 TEST_F(ChildCheck, TheAvrEmulatorIsGood) {
