@@ -81,6 +81,17 @@ void addDoctor(CLI::App& app, const cli::CliProgram& program, cli::CliActions& a
       ->needs(child)
       ->check(CLI::Range(0.001, 60.0))
       ->capture_default_str();
+  doctor->add_option("--mcu", options.child.mcu, "Processor that the child is asked for")
+      ->needs(child)
+      ->capture_default_str();
+  doctor->add_option("--clock-hz", options.child.clock_hz, "Clock that it is asked for")
+      ->needs(child)
+      ->check(CLI::Range(std::uint64_t{100'000}, std::uint64_t{1'000'000'000}))
+      ->capture_default_str();
+  doctor->add_option("--baud", options.child.baud, "Rate of its UART")
+      ->needs(child)
+      ->check(CLI::Range(300U, 4'000'000U))
+      ->capture_default_str();
   actions.add(doctor, std::move(holder), doctorCommand);
 }
 

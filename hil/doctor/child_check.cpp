@@ -32,6 +32,9 @@ std::unique_ptr<source::SignalSource> opened(const ChildOptions& options,
   source::ChildSourceOptions child;
   child.child = options.child;
   child.image = image;
+  child.mcu = options.mcu;
+  child.clock_hz = options.clock_hz;
+  child.baud = options.baud;
   return source::openChild(child);
 }
 

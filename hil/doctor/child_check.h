@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "hil/doctor/doctor.h"
@@ -12,7 +14,10 @@ namespace kerfbench::doctor {
 struct ChildOptions {
   std::filesystem::path child;  ///< Empty: none is tried.
   std::filesystem::path image;
-  double seconds{0.2};  ///< Virtual, of each run.
+  double seconds{0.2};            ///< Virtual, of each run.
+  std::string mcu{"atmega2560"};  ///< Asked for in OPEN, as the next two.
+  std::uint64_t clock_hz{16'000'000};
+  std::uint32_t baud{250'000};
 };
 
 /// Whether a child keeps what docs/reference/pin-stream.md asks of it, as far as an image shows it: it starts
