@@ -25,6 +25,13 @@
 
 #include <stdint.h>
 
+/* Where the processor has a space of its own for code, the block must not be copied to RAM. */
+#ifdef __SDCC
+#define KB_IN_CODE __code
+#else
+#define KB_IN_CODE
+#endif
+
 #define KB_RELEASE_MAGIC "KERFREL"
 #define KB_RELEASE_LAYOUT 1
 #define KB_RELEASE_NAME_LEN 12
@@ -40,7 +47,7 @@ struct kb_release {
   char name[KB_RELEASE_NAME_LEN];
   char version[KB_RELEASE_VERSION_LEN];
 };
-extern const struct kb_release kb_release;
+extern KB_IN_CODE const struct kb_release kb_release;
 #ifdef __cplusplus
 }
 #endif

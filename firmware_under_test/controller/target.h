@@ -11,11 +11,29 @@
 
 #ifdef KB_TARGET_STM32
 #define KB_CPU_HZ 72000000UL
+#elif defined(KB_TARGET_MCS51)
+#define KB_CPU_HZ 24000000UL
 #else
 #define KB_CPU_HZ 16000000UL
 #endif
 
-#ifdef KB_TARGET_GALVO
+#if defined(KB_TARGET_MCS51)
+/* STC15W4K32S4, an 8051 of one clock a machine cycle, at 24 MHz: ticks of 100 us, periods of 3.2 ms. */
+#define KB_TARGET_NAME "mcs51"
+#define KB_BAUD 125000UL
+#define KB_TICK_CYCLES 2400U
+#define KB_TICKS_PER_PERIOD 32U
+#define KB_QUEUE_SIZE 1024U
+#define KB_TIME_CYCLES 12U
+#define KB_PWM_TICKS 1U
+#define KB_LASER_EVENTS 8U
+#define KB_SETUP_CYCLES 120U
+#define KB_HOLD_CYCLES 150U
+#define KB_WIDTH_CYCLES 150U
+#define KB_SPACE_CYCLES 120U
+#define KB_LATE_CYCLES 400U
+typedef uint8_t kb_ticks_t;
+#elif defined(KB_TARGET_GALVO)
 /* Digital galvos with PUL/DIR inputs of some MHz: ticks of 1 us, periods of 128 us. The target stands for the
  * core's interpolation on a processor that is fast enough for it, or in front of a pulse generator in logic;
  * here it runs on a computer, where it takes no time. */

@@ -51,8 +51,9 @@ static int32_t interpolate(const struct kb_edge* edge, uint16_t time, bool stand
 }
 
 void kb_belt_update(uint16_t boundary_time) {
+  struct kb_edge edge;
   const uint8_t saved = kb_hal_lock();
-  const struct kb_edge edge = kb_belt.edge;
+  edge = kb_belt.edge;
   kb_hal_unlock(saved);
 
   if (edge.count != (uint8_t)(uint32_t)kb_belt.last_count) {

@@ -95,7 +95,10 @@ static inline void kb_belt_mark_edge(uint16_t now) {
     kb_belt.mark_lost = 1;
     return;
   }
-  kb_belt.mark_edge[end] = kb_belt.edge;
+  /* Field by field: SDCC would call memcpy(), which the main loop may be in. */
+  kb_belt.mark_edge[end].count = kb_belt.edge.count;
+  kb_belt.mark_edge[end].time = kb_belt.edge.time;
+  kb_belt.mark_edge[end].backwards = kb_belt.edge.backwards;
   kb_belt.mark_time[end] = now;
   kb_belt.mark_end = next;
 }

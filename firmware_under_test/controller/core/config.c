@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "config.h"
 
+#include <string.h>
+
 #include "engine.h"
 
 static bool drivesFit(const struct kb_config* config) {
@@ -40,24 +42,27 @@ static bool fieldFits(const struct kb_config* config) {
   return true;
 }
 
+static void i32sAt(const uint8_t* bytes, int32_t* to) {
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    *to++ = (int32_t)u32At(bytes);
+    bytes += 4;
+  }
+}
+
 bool kb_config_read(const uint8_t* payload, struct kb_config* config) {
   const uint8_t* const b = payload;
-  *config = (struct kb_config){
-      .nominal_per_period = u32At(b),
-      .gate_on_delay = (uint16_t)(b[4] | (uint16_t)b[11] << 8),
-      .gate_off_delay = (uint16_t)(b[5] | (uint16_t)b[12] << 8),
-      .idle_power = b[6],
-      .max_per_period = u32At(b + 7),
-      .invert_a = b[13],
-      .invert_c = b[14],
-      .wide = b[15],
-      .wide_ticks = b[16],
-      .most_steps = {b[17], b[18], b[19], b[20], b[21]},
-      .turn_steps = {b[22], b[23], b[24], b[25], b[26]},
-  };
-  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
-    config->lowest[axis] = (int32_t)u32At(b + 27 + 4 * axis);
-    config->highest[axis] = (int32_t)u32At(b + 27 + 4 * (KB_AXES + axis));
-  }
+  config->nominal_per_period = u32At(b);
+  config->gate_on_delay = (uint16_t)(b[4] | (uint16_t)b[11] << 8);
+  config->gate_off_delay = (uint16_t)(b[5] | (uint16_t)b[12] << 8);
+  config->idle_power = b[6];
+  config->max_per_period = u32At(b + 7);
+  config->invert_a = b[13];
+  config->invert_c = b[14];
+  config->wide = b[15];
+  config->wide_ticks = b[16];
+  memcpy(config->most_steps, b + 17, KB_AXES);
+  memcpy(config->turn_steps, b + 22, KB_AXES);
+  i32sAt(b + 27, config->lowest);
+  i32sAt(b + 27 + 4 * KB_AXES, config->highest);
   return config->max_per_period <= INT32_MAX && delaysFit(config) && drivesFit(config) && fieldFits(config);
 }

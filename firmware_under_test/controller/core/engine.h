@@ -16,6 +16,13 @@
 
 #include "firmware_under_test/controller/protocol.h"
 
+/* Where pointers do not know the space that they point into, those of the tick's interrupt are told. */
+#ifdef __SDCC
+#define KB_IN_XDATA __xdata
+#else
+#define KB_IN_XDATA
+#endif
+
 enum {
   KB_FEED_PUL = 0x01,
   KB_FEED_DIR = 0x02,
@@ -107,7 +114,7 @@ static inline bool kb_tick_begins_period(void) {
 
 /* Boundary of a period: called by the interrupt where kb_tick_begins_period(). */
 static inline void kb_tick_boundary(uint16_t now) {
-  volatile struct kb_engine* const e = &kb_engine;
+  volatile KB_IN_XDATA struct kb_engine* const e = &kb_engine;
   e->ticks_left = KB_TICKS_PER_PERIOD - 1U;
   e->boundaries++;
   e->boundary_time = now;
@@ -121,7 +128,7 @@ static inline void kb_tick_boundary(uint16_t now) {
     e->idle_c = e->next.idle_c;
     if (e->next.laser_changes) {
       const uint8_t end = e->laser_end;
-      volatile struct kb_laser_event* const event = &e->laser[end];
+      volatile KB_IN_XDATA struct kb_laser_event* const event = &e->laser[end];
       event->due = (kb_ticks_t)(e->tick + e->next.laser_delay);
       event->gate = e->next.gate;
       event->power = e->next.power;
@@ -156,7 +163,7 @@ static inline uint8_t kb_level_c(uint8_t held, uint8_t out_c) {
 
 /* One bit of the laser's PWM. */
 static inline uint8_t kb_tick_pwm(void) {
-  volatile struct kb_engine* const e = &kb_engine;
+  volatile KB_IN_XDATA struct kb_engine* const e = &kb_engine;
   const uint8_t power = e->power;
   uint8_t sigma = (uint8_t)(e->sigma + power); /* modulo 255 */
   uint8_t bit = 0;
@@ -171,7 +178,7 @@ static inline uint8_t kb_tick_pwm(void) {
 /* Updates the pulses that stay active: ends those whose time is over, begins new ones. Returns all of
  * them. */
 static inline uint8_t kb_tick_hold(uint8_t tick, uint8_t pulses) {
-  volatile struct kb_engine* const e = &kb_engine;
+  volatile KB_IN_XDATA struct kb_engine* const e = &kb_engine;
   uint8_t held = e->held;
   const uint8_t begun = pulses & e->wide;
   if ((held | begun) == 0) {
@@ -194,7 +201,7 @@ static inline uint8_t kb_tick_hold(uint8_t tick, uint8_t pulses) {
 /* Computes the levels of the next tick. `holds`: there may be pulses that stay active. The argument is a
  * constant, for a target whose ticks have no time to test it. */
 static inline void kb_tick_compute(uint8_t inputs, bool holds) {
-  volatile struct kb_engine* const e = &kb_engine;
+  volatile KB_IN_XDATA struct kb_engine* const e = &kb_engine;
   uint8_t pulses = 0;
   uint8_t inc;
   uint8_t acc;

@@ -71,7 +71,8 @@ uint8_t kb_frame_take(uint8_t most) {
   const uint8_t end = program - from > most ? (uint8_t)(from + most) : program;
   uint8_t taken = from;
   uint16_t crc = rx.crc;
-  struct kb_check check = rx.check;
+  struct kb_check check;
+  check = rx.check;
   uint16_t at = kb_queue_end(from);
   uint8_t byte;
   while (taken < end && kb_hal_rx(&byte)) {

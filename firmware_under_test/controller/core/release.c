@@ -15,7 +15,10 @@ _Static_assert(sizeof(KB_VERSION) <= KB_RELEASE_VERSION_LEN, "the version is too
 
 _Static_assert(sizeof(struct kb_release) == KB_RELEASE_LEN, "bytes without gaps");
 
-__attribute__((used)) const struct kb_release kb_release = {
+#ifdef __GNUC__
+__attribute__((used))
+#endif
+KB_IN_CODE const struct kb_release kb_release = {
     KB_RELEASE_MAGIC,
     {KB_RELEASE_LAYOUT, KB_PROTOCOL_VERSION, U32(KB_CPU_HZ), U16(KB_TICK_CYCLES), KB_TICKS_PER_PERIOD,
      KB_TICKS_PER_PERIOD - 1U, U16(KB_QUEUE_SIZE), U32(KB_BAUD), U16(KB_LONGEST_DELAY_TICKS),

@@ -56,6 +56,7 @@ class Chip : private Peripherals {
  private:
   std::uint8_t readSfr(std::uint8_t address, bool is_latch) override;
   void writeSfr(std::uint8_t address, std::uint8_t value) override;
+  void writeSfrBit(std::uint8_t address, std::uint8_t mask, bool on) override;
   void writePort(unsigned port, std::uint8_t value);
   bool writeStcPortMode(std::uint8_t address, std::uint8_t value);
   void writeFlags(std::uint8_t address, std::uint8_t value);

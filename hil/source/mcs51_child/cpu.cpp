@@ -91,9 +91,14 @@ bool Cpu::readBit(std::uint8_t bit, bool is_latch) {
 
 void Cpu::writeBit(std::uint8_t bit, bool on) {
   const auto address = static_cast<std::uint8_t>(bit < 0x80 ? 0x20 + (bit >> 3U) : bit & 0xF8U);
-  const unsigned mask = 1U << (bit & 7U);
-  const unsigned old = readDirect(address, true);
-  writeDirect(address, static_cast<std::uint8_t>(on ? old | mask : old & ~mask));
+  const auto mask = static_cast<std::uint8_t>(1U << (bit & 7U));
+  if (bit < 0x80) {
+    iram_[address] = static_cast<std::uint8_t>(on ? iram_[address] | mask : iram_[address] & ~mask);
+  } else if (address == kPsw || address == kAcc || address == kB) {
+    sfrs_.set(address, mask, on);
+  } else {
+    peripherals_.writeSfrBit(address, mask, on);
+  }
 }
 
 std::uint8_t Cpu::readXram(std::uint16_t address) {

@@ -20,6 +20,8 @@ class Peripherals {
   /// instructions do, in place of the pins.
   virtual std::uint8_t readSfr(std::uint8_t address, bool is_latch) = 0;
   virtual void writeSfr(std::uint8_t address, std::uint8_t value) = 0;
+  /// A bit of a register, as bit instructions write it: a flag beside it that hardware sets meanwhile stays.
+  virtual void writeSfrBit(std::uint8_t address, std::uint8_t mask, bool on) = 0;
 };
 
 /// Registers, memories and the 255 instructions of an MCS-51 (Intel 1994, chapter 2).

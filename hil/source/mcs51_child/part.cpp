@@ -22,6 +22,14 @@ constexpr Part stc15(std::string_view names, std::uint32_t code_bytes) {
           .wakes_by_interrupt = true};
 }
 
+/// Pins of the PWM are inputs after a reset.
+constexpr Part stc15w4k(std::string_view names, std::uint32_t code_bytes) {
+  Part part = stc15(names, code_bytes);
+  part.xram_bytes = 3840;
+  part.listens_after_reset = {0xC0, 0xC0, 0x8E, 0x80, 0x34, 0x00};
+  return part;
+}
+
 // Memories by the data sheets (Intel 1994; Atmel 2008, and those of the AT89C51, AT89C52 and AT89S51; STC
 // 2015).
 constexpr Part kParts[] = {
@@ -69,6 +77,8 @@ constexpr Part kParts[] = {
     stc15("stc15f2k16s2", 16384),
     stc15("stc15f2k32s2", 32768),
     stc15("stc15f2k60s2", 61440),
+    stc15w4k("stc15w4k16s4", 16384),
+    stc15w4k("stc15w4k32s4", 32768),
 };
 
 std::string digitsOf(unsigned bits) {

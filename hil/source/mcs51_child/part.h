@@ -29,7 +29,8 @@ struct Part {
   bool has_clock_out{};        ///< T2MOD: timer 2 puts a clock on P1.0.
   bool has_watchdog{};         ///< WDTRST of the AT89S series.
   bool has_second_dptr{};
-  bool wakes_by_interrupt{};  ///< INT0 and INT1 end power-down.
+  std::array<std::uint8_t, 6> listens_after_reset{};  ///< Bits of ports that a reset leaves as inputs (PxM1).
+  bool wakes_by_interrupt{};                          ///< INT0 and INT1 end power-down.
 
   /// Clocks of a machine cycle.
   [[nodiscard]] unsigned cycle() const { return is_stc15 ? 1 : 12; }

@@ -15,14 +15,16 @@ std::uint8_t Ports::pins(unsigned index) const {
   const unsigned listens = port.m1 & ~unsigned{port.m0};
   const unsigned pushes = port.m0 & ~unsigned{port.m1};
   const unsigned low = ~unsigned{port.latch} | port.pulled;
-  return static_cast<std::uint8_t>((pushes & ~low) | (~pushes & port.outside & (listens | ~low)));
+  return static_cast<std::uint8_t>((pushes & ~low) | (~pushes & ~listens & port.outside & ~low) |
+                                   (listens & port.outside & port.is_driven));
 }
 
 void Ports::reset(Tick tick) {
   for (unsigned i = 0; i < kPorts; ++i) {
     auto& port = ports_[i];
     port.latch = 0xFF;
-    port.pulled = port.m1 = port.m0 = 0;
+    port.pulled = port.m0 = 0;
+    port.m1 = part_.listens_after_reset[i];
     update(i, tick);
   }
 }
@@ -31,6 +33,7 @@ void Ports::drive(unsigned index, unsigned bit, bool level) {
   auto& port = ports_[index];
   const unsigned mask = 1U << bit;
   port.outside = static_cast<std::uint8_t>(level ? port.outside | mask : port.outside & ~mask);
+  port.is_driven = static_cast<std::uint8_t>(port.is_driven | mask);
 }
 
 void Ports::setLatch(unsigned index, std::uint8_t value, Tick tick) {
@@ -51,9 +54,8 @@ void Ports::setPulledByPeripheral(unsigned index, std::uint8_t mask, bool is_low
 }
 
 void Ports::update(unsigned index, Tick tick) {
-  if ((part_.ports >> index & 1U) == 0) return;
   auto& port = ports_[index];
-  const std::uint8_t level = driven(port);
+  const auto level = static_cast<std::uint8_t>(driven(port) & bitsOf(index));
   const auto changed = static_cast<std::uint16_t>(level ^ port.told);
   if (changed == 0) return;
   port.told = level;

@@ -16,7 +16,8 @@ namespace kerfbench::mcs51_child {
 /// A latch of 1 pulls its pin up weakly, one of 0 pulls it down: a pin is high where the latch is 1 and
 /// nobody outside pulls it down. Functions of peripherals (shift clock, clock output) reach a pin whose latch
 /// is 1. Pins of the STC15 can also push and pull, or only listen (PxM1, PxM0). Events tell what the
-/// controller drives, as if nothing were outside: 1 for a latch of 1, 0 for a pin that only listens.
+/// controller drives, as if nothing were outside: 1 for a latch of 1, 0 for a pin that only listens. Such a
+/// pin reads 0 where nobody drives it.
 class Ports {
  public:
   static constexpr unsigned kPorts = 6;
@@ -25,7 +26,7 @@ class Ports {
   /// All latches 1; what is outside stays.
   void reset(Tick tick);
   [[nodiscard]] bool has(unsigned port, unsigned bit) const {
-    return port < kPorts && bit < 8 && (part_.ports >> port & 1U) != 0;
+    return port < kPorts && bit < 8 && (bitsOf(port) >> bit & 1U) != 0;
   }
   /// Something outside drives a pin from now on.
   void drive(unsigned index, unsigned bit, bool level);
@@ -50,9 +51,15 @@ class Ports {
     std::uint8_t m1{};      // 1 without m0: listens only.
     std::uint8_t m0{};      // 1 without m1: pushes and pulls.
     std::uint8_t outside{0xFF};
-    std::uint8_t told{};  // Level by the last event.
+    std::uint8_t is_driven{};  // From outside.
+    std::uint8_t told{};       // Level by the last event.
   };
   [[nodiscard]] static std::uint8_t driven(const Port& port);
+  /// Pins that are led out: all eight of a port, but two of port 5.
+  [[nodiscard]] std::uint8_t bitsOf(unsigned index) const {
+    if ((part_.ports >> index & 1U) == 0) return 0;
+    return index == 5 ? 0x30 : 0xFF;
+  }
   void update(unsigned index, Tick tick);
 
   const Part& part_;

@@ -73,6 +73,13 @@ void Chip::writeSfr(std::uint8_t address, std::uint8_t value) {
   refreshNext();
 }
 
+void Chip::writeSfrBit(std::uint8_t address, std::uint8_t mask, bool on) {
+  advance(ends_);
+  const int port = portAt(address);
+  const unsigned old = port >= 0 ? ports_.latch(static_cast<unsigned>(port)) : sfrs_[address];
+  writeSfr(address, static_cast<std::uint8_t>(on ? old | mask : old & ~unsigned{mask}));
+}
+
 void Chip::writePort(unsigned port, std::uint8_t value) {
   ports_.setLatch(port, value, ends_);
   if (port < 4) sfrs_[static_cast<std::uint8_t>(kP0 + 0x10U * port)] = value;

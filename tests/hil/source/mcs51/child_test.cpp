@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 
 #include "tests/hil/base/temp_folder.h"
-#include "tests/hil/source/run_source.h"
 #include "tests/hil/source/mcs51/oracle.h"
 #include "tests/hil/source/mcs51/program.h"
+#include "tests/hil/source/run_source.h"
 
 namespace kerfbench::mcs51_child {
 namespace {
@@ -231,6 +231,27 @@ TEST_F(Mcs51Child, ImagesThatDoNotFitAreRefusedInWords) {
   EXPECT_THAT(refusal(asked), HasSubstr("no code"));
   asked.image = folder_.write("bad.hex", ":0200000080FE81\n:00000001FF\n");
   EXPECT_THAT(refusal(asked), HasSubstr("bad.hex:1: bad checksum"));
+}
+
+// The release by SDCC: HELLO is answered by ACK and by INFO, which names the release (protocol.h).
+TEST_F(Mcs51Child, TheReferenceControllerSaysWhatItIs) {
+  ChildSourceOptions asked;
+  asked.child = KERFBENCH_MCS51_CHILD;
+  asked.image = KERFBENCH_MCS51_RELEASE;
+  asked.mcu = "stc15w4k32s4";
+  asked.clock_hz = 24'000'000;
+  asked.baud = 125'000;
+  if (!std::filesystem::exists(asked.image)) GTEST_SKIP() << "no release for an 8051: sdcc is not installed";
+  const auto source = openChild(asked);
+  const auto made = runSource(*source, 960'000, 24'000, [&](Tick tick) {
+    if (tick == 240'000) source->uartWrite(bytesOf(std::string("\xA5\x01\x00\x00\xAC\xFB", 6)));
+  });
+  EXPECT_EQ(made.stop, Stop::kReached) << made.message;
+  EXPECT_THAT(made.uart, AllOf(HasSubstr("\xA5"), HasSubstr("KERFREL"), HasSubstr("mcs51")));
+  // The outputs of the laser are never high.
+  for (const auto& event : made.events) {
+    if (event.port == 2) EXPECT_EQ(event.level & 0x0C, 0);
+  }
 }
 
 TEST_F(Mcs51Child, SourceSaysWhatARerunNeeds) {

@@ -189,8 +189,10 @@ TEST(Stc15Pins, PushPullOrListenAsTheirModeSays) {
   Bench bench(kPart, p);
   bench.chip().drive(1, 1, false, 0);
   const auto events = bench.runTo(100);
-  EXPECT_EQ(bench.ram(0x30), 0xFF);  // What pushes is not pulled down.
-  EXPECT_EQ(bench.ram(0x31), 0xFF);  // What listens is not driven.
+  EXPECT_EQ(bench.ram(0x30), 0xFB);  // What pushes is not pulled down; what listens reads 0 alone.
+  EXPECT_EQ(bench.ram(0x31), 0xFB);
+  bench.chip().drive(1, 2, true, 0);
+  EXPECT_EQ(bench.chip().ports().pins(1), 0xFF);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].level, 0xFB);  // Such a pin shows as low, as the inputs of other controllers do.
 }
