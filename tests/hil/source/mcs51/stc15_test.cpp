@@ -166,6 +166,33 @@ TEST(Stc15Uart, TakesItsRateFromTimer2OrTimer1) {
   }
 }
 
+// The reference controller hung when a flag that hardware set between read and write of CLR was lost.
+TEST(Stc15Timers, AFlagThatComesDuringABitInstructionBesideItStays) {
+  for (unsigned wait = 0; wait < 30; ++wait) {
+    Program p;
+    p.mov(kAuxr, 0x80).mov(kTl0, 0xEC).mov(kTh0, 0xFF).setb(kTr0).nop(wait).clr(kTr1).nop(40);
+    p.movDirect(0x30, kTcon).halt();
+    Bench bench(kPart, p);
+    bench.runTo(300);
+    EXPECT_EQ(bench.ram(0x30) & 0x20, 0x20) << wait;
+  }
+}
+
+TEST(Stc15Pins, OfThePwmOnAnStc15w4kAreInputsAfterAReset) {
+  Program p;
+  p.mov(0x95, 0x00).halt();  // P2M1
+  Chip chip(partCalled("stc15w4k32s4"), std::vector<std::uint8_t>(32768, 0), 100);
+  chip.settle();
+  std::vector<unsigned> levels;
+  for (const auto& event : chip.ports().take(1)) levels.push_back(event.level);
+  EXPECT_EQ(levels, (std::vector<unsigned>{0x3F, 0x3F, 0x71, 0x7F, 0xCB, 0x30}));
+  Bench bench("stc15w4k32s4", p);
+  const auto events = bench.runTo(20);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].port, 2);
+  EXPECT_EQ(events[0].level, 0xFF);
+}
+
 TEST(Stc15Pins, InterruptOnBothEdgesWithoutIt0) {
   for (const bool by_edge : {false, true}) {
     Program p;
