@@ -111,12 +111,14 @@ bool Core::onBadMemory(uc_engine* /*engine*/, uc_mem_type type, std::uint64_t ad
 
 template <std::uint32_t kBase>
 std::uint64_t Core::onRead(uc_engine* /*engine*/, std::uint64_t offset, unsigned size, void* self) {
+  static_cast<Core*>(self)->has_effect_ = true;
   return static_cast<Core*>(self)->bus_.readDevice(kBase + static_cast<std::uint32_t>(offset), size);
 }
 
 template <std::uint32_t kBase>
 void Core::onWrite(uc_engine* /*engine*/, std::uint64_t offset, unsigned size, std::uint64_t value,
                    void* self) {
+  static_cast<Core*>(self)->has_effect_ = true;
   static_cast<Core*>(self)->bus_.writeDevice(kBase + static_cast<std::uint32_t>(offset), size,
                                              static_cast<std::uint32_t>(value));
 }
@@ -126,9 +128,14 @@ void Core::beforeInstruction(std::uint32_t pc, std::uint32_t size) {
   Timing timing = index < timings_.size() ? timings_[index] : Timing{};
   if (!timing.has(Timing::kKnown)) timing = timingAt(pc);
   Cycle now = present_.cycle;
-  if (pc != expected_) now += jumpCycles(pc, size);
+  if (pc != expected_) {
+    if (pc < expected_) watchLoop(pc, now);
+    now += jumpCycles(pc, size);
+  }
   const std::uint32_t line = (pc + size - 2) / kLineBytes;
   if (line != line_) now = afterFetch(now, line);
+  if (is_idle_) now = afterIdleLoop(now);
+  has_effect_ |= timing.has(Timing::kStores);
   if (now >= limit_ || (timing.flags & (Timing::kTrap | Timing::kIfThen)) != 0) {
     if (stopsAt(pc, timing, now)) return;
   }
@@ -211,6 +218,42 @@ void Core::beginIfThen(std::uint32_t pc) {
     if_then_end_ += isWide(halfWord(if_then_end_).value_or(0)) ? 4 : 2;
 }
 
+/// A branch backwards, before its refill: whether nothing has changed since it came here last.
+void Core::watchLoop(std::uint32_t head, Cycle now) {
+  constexpr unsigned kFirstLook = 8, kNextLooks = 64;
+  const bool is_pure = head == loop_.head && !has_effect_;
+  has_effect_ = false;
+  if (!is_pure) {
+    loop_.head = head;
+    loop_.pure_iterations = 0;
+    loop_.next_look = kFirstLook;
+    loop_.began = now;
+    return;
+  }
+  const Cycle period = now - loop_.began;
+  loop_.began = now;
+  if (++loop_.pure_iterations < loop_.next_look) return;
+  std::array<std::uint32_t, 17> state{};
+  for (unsigned i = 0; i < 15; ++i) state[i] = get(i);
+  state[15] = flags();
+  state[16] = head;
+  is_idle_ = loop_.pure_iterations > loop_.next_look && state == loop_.state && period == loop_.period;
+  if (loop_.pure_iterations > loop_.next_look) loop_.next_look = loop_.pure_iterations + kNextLooks;
+  loop_.state = state;
+  loop_.period = period;
+}
+
+/// The time after as many iterations as end before the limit.
+Cycle Core::afterIdleLoop(Cycle now) {
+  is_idle_ = false;
+  loop_.next_look = loop_.pure_iterations + 1;
+  if (loop_.period == 0 || limit_ <= now) return now;
+  const Cycle skipped = (limit_ - now) / loop_.period * loop_.period;
+  next_line_at_ += skipped;
+  loop_.began += skipped;
+  return now + skipped;
+}
+
 Core::Stop Core::run() {
   stop_.reset();
   const uc_err error = uc_emu_start(engine_, pc_ | 1U, kNowhere, 0, 0);
@@ -250,6 +293,7 @@ void Core::setFlashTiming(unsigned wait_states, bool prefetches) {
 
 void Core::jump(std::uint32_t address) {
   pc_ = expected_ = address & ~1U;
+  has_effect_ = true;
   last_load_ = Timing::kNoRegister;
   if_then_ = if_then_end_ = 0;
   line_ = pc_ / kLineBytes;

@@ -35,6 +35,9 @@ class CoreBus {
 /// 3); and the flash: lines of 64 bits in two buffers, of which the second is fetched while the first is
 /// being used (STMicroelectronics 2015 RM0008, Flash access control register). An instruction that IT skips
 /// takes a cycle. A store takes effect at the end of its instruction.
+///
+/// A loop that neither stores nor reaches a device, and leaves all registers as they were, waits for an
+/// interrupt: its iterations up to the limit are passed over, and take their time.
 class Core {
  public:
   enum class Stop {
@@ -66,6 +69,7 @@ class Core {
   /// Goes on there as after any instruction.
   void continueAt(std::uint32_t address) {
     pc_ = expected_ = address;
+    has_effect_ = true;
     last_load_ = Timing::kNoRegister;
   }
   [[nodiscard]] std::uint32_t faultAddress() const { return fault_address_; }
@@ -101,6 +105,8 @@ class Core {
   [[nodiscard]] Cycle jumpCycles(std::uint32_t pc, std::uint32_t size);
   [[nodiscard]] Cycle afterFetch(Cycle now, std::uint32_t line);
   void beginIfThen(std::uint32_t pc);
+  void watchLoop(std::uint32_t head, Cycle now);
+  [[nodiscard]] Cycle afterIdleLoop(Cycle now);
   void repairFlash();
 
   Present& present_;
@@ -121,6 +127,18 @@ class Core {
   bool prefetches_{true};
   std::uint32_t if_then_{};  ///< Address of the last IT, and of the end of what it makes conditional.
   std::uint32_t if_then_end_{};
+  /// The last branch backwards, whether an iteration stores or reaches devices, and how many did not.
+  struct Loop {
+    std::uint32_t head{};
+    unsigned pure_iterations{};
+    unsigned next_look{};
+    Cycle began{};
+    Cycle period{};
+    std::array<std::uint32_t, 17> state{};
+  };
+  Loop loop_;
+  bool has_effect_{};
+  bool is_idle_{};
   std::optional<Stop> stop_;
   std::uint32_t fault_address_{};
   std::uint32_t exception_return_{};

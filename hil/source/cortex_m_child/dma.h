@@ -21,8 +21,8 @@ class Dma final : public Device {
   [[nodiscard]] Cycle nextEvent() const override;
   void runTo(Cycle cycle) override;
 
-  /// A device asks a channel, 1 to 7, for one transfer. False if the channel is off.
-  bool request(unsigned channel);
+  /// A device asks for a channel by its number, 1 to 7, for one transfer. False if the channel is off.
+  bool request(unsigned number);
   /// Called after a channel was switched on.
   std::function<void()> on_enabled;
   /// Called with memory that was written to.

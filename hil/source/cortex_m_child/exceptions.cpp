@@ -17,11 +17,11 @@ constexpr std::uint32_t kForced = 1U << 30;  // HFSR
 
 }  // namespace
 
-Exceptions::Exceptions(Present& present, Core& core, Nvic& nvic, SystemControl& control, DeviceTime& devices,
-                       std::span<std::uint8_t> sram)
+ExceptionUnit::ExceptionUnit(Present& present, Core& core, Nvic& nvic, SystemControl& control,
+                             DeviceTime& devices, std::span<std::uint8_t> sram)
     : present_(present), core_(core), nvic_(nvic), control_(control), devices_(devices), sram_(sram) {}
 
-void Exceptions::reset() {
+void ExceptionUnit::reset() {
   ipsr_ = 0;
   control_register_ = other_stack_ = 0;
   on_process_stack_ = asleep_ = awaits_event_ = event_ = false;
@@ -36,9 +36,9 @@ void Exceptions::reset() {
   core_.jump(start);
 }
 
-bool Exceptions::takeEvent() { return std::exchange(event_, false); }
+bool ExceptionUnit::takeEvent() { return std::exchange(event_, false); }
 
-bool Exceptions::word(std::uint32_t address, std::uint32_t& value) const {
+bool ExceptionUnit::word(std::uint32_t address, std::uint32_t& value) const {
   const auto low = core_.halfWord(address);
   const auto high = core_.halfWord(address + 2);
   if (!low || !high) return false;
@@ -46,21 +46,21 @@ bool Exceptions::word(std::uint32_t address, std::uint32_t& value) const {
   return true;
 }
 
-void Exceptions::crash(const std::string& what) {
+void ExceptionUnit::crash(const std::string& what) {
   if (!present_.failure.empty()) return;
   present_.failure = "the firmware crashed at " + hex32(core_.pc()) + ": " + what;
   if (!last_fault_.empty() && last_fault_ != what)
     present_.failure += "; it had faulted before: " + last_fault_;
 }
 
-bool Exceptions::enterNext() {
+bool ExceptionUnit::enterNext() {
   if (!nvic_.next()) return false;
   asleep_ = awaits_event_ = false;
   enter(core_.pc());
   return true;
 }
 
-void Exceptions::enter(std::uint32_t return_address) {
+void ExceptionUnit::enter(std::uint32_t return_address) {
   if (!push(return_address)) return;
   const Cycle start = present_.cycle;
   devices_.runDevicesTo(start + kLateArrivalCycles);
@@ -76,7 +76,7 @@ void Exceptions::enter(std::uint32_t return_address) {
   begin(nvic_.next().value_or(kHardFault));
 }
 
-void Exceptions::begin(unsigned exception) {
+void ExceptionUnit::begin(unsigned exception) {
   std::uint32_t vector = 0;
   if (!word(control_.vectorTable() + 4 * exception, vector))
     return crash("the vector table at " + hex32(control_.vectorTable()) + " is in no memory");
@@ -89,7 +89,7 @@ void Exceptions::begin(unsigned exception) {
               ", lacks the bit of Thumb");
 }
 
-bool Exceptions::push(std::uint32_t return_address) {
+bool ExceptionUnit::push(std::uint32_t return_address) {
   const std::uint32_t stack = core_.get(kStackPointer);
   const bool is_padded = control_.alignsStack() && (stack & 4U) != 0;
   const std::uint32_t frame = stack - kFrameBytes - (is_padded ? 4U : 0U);
@@ -107,7 +107,7 @@ bool Exceptions::push(std::uint32_t return_address) {
   return true;
 }
 
-void Exceptions::returnFrom(std::uint32_t exception_return) {
+void ExceptionUnit::returnFrom(std::uint32_t exception_return) {
   const bool is_known =
       exception_return == kToHandler || exception_return == kToThread || exception_return == kToProcess;
   if (!is_known || ipsr_ == 0)
@@ -125,7 +125,7 @@ void Exceptions::returnFrom(std::uint32_t exception_return) {
   if (ipsr_ == 0 && control_.sleepsOnExit()) asleep_ = true;
 }
 
-bool Exceptions::pop(std::uint32_t exception_return) {
+bool ExceptionUnit::pop(std::uint32_t exception_return) {
   if (exception_return == kToProcess) {
     const std::uint32_t main_stack = core_.get(kStackPointer);
     core_.set(kStackPointer, std::exchange(other_stack_, main_stack));
@@ -153,7 +153,7 @@ bool Exceptions::pop(std::uint32_t exception_return) {
 
 /// Whether the handler does more than branch to itself, which is what firmware has for exceptions that it
 /// does not expect.
-bool Exceptions::handles(unsigned exception) const {
+bool ExceptionUnit::handles(unsigned exception) const {
   constexpr std::uint16_t kBranchToItself = 0xE7FE, kBreakpoint = 0xBE00;
   std::uint32_t vector = 0;
   if (!word(control_.vectorTable() + 4 * exception, vector) || (vector & 1U) == 0) return false;
@@ -161,8 +161,8 @@ bool Exceptions::handles(unsigned exception) const {
   return first && *first != kBranchToItself && (*first & 0xFF00U) != kBreakpoint && *first != 0xFFFF;
 }
 
-void Exceptions::fault(unsigned exception, std::uint32_t status, const std::string& what,
-                       std::uint32_t address) {
+void ExceptionUnit::fault(unsigned exception, std::uint32_t status, const std::string& what,
+                          std::uint32_t address) {
   control_.recordFault(status, address);
   const bool is_own = nvic_.isEnabled(exception) && nvic_.canPreempt(exception);
   const unsigned taken = is_own ? exception : kHardFault;
@@ -174,13 +174,13 @@ void Exceptions::fault(unsigned exception, std::uint32_t status, const std::stri
   enter(core_.pc());
 }
 
-void Exceptions::goOnBehind(std::uint32_t bytes) {
+void ExceptionUnit::goOnBehind(std::uint32_t bytes) {
   const std::uint32_t next = core_.pc() + bytes;
   present_.cycle += 1;
   core_.continueAt(next);
 }
 
-void Exceptions::executeTrap() {
+void ExceptionUnit::executeTrap() {
   const std::uint32_t pc = core_.pc();
   const std::uint32_t first = core_.halfWord(pc).value_or(0);
   const std::uint32_t second = core_.halfWord(pc + 2).value_or(0);
@@ -213,20 +213,20 @@ void Exceptions::executeTrap() {
   }
 }
 
-void Exceptions::hint(unsigned operation) {
+void ExceptionUnit::hint(unsigned operation) {
   constexpr unsigned kWaitForEvent = 2, kWaitForInterrupt = 3, kSendEvent = 4;
   if (operation == kSendEvent) event_ = true;
   if (operation == kWaitForInterrupt) asleep_ = true;
   if (operation == kWaitForEvent && !takeEvent()) asleep_ = awaits_event_ = true;
 }
 
-void Exceptions::changeState(std::uint32_t code) {
+void ExceptionUnit::changeState(std::uint32_t code) {
   const bool disables = (code & 0x10U) != 0;
   if ((code & 2U) != 0) nvic_.primask = disables;
   if ((code & 1U) != 0) nvic_.faultmask = disables;
 }
 
-std::uint32_t Exceptions::readSpecial(unsigned number) const {
+std::uint32_t ExceptionUnit::readSpecial(unsigned number) const {
   const std::uint32_t stack = core_.get(kStackPointer);
   switch (number) {
     case 0:
@@ -256,7 +256,7 @@ std::uint32_t Exceptions::readSpecial(unsigned number) const {
   }
 }
 
-void Exceptions::writeSpecial(unsigned number, unsigned mask, std::uint32_t value) {
+void ExceptionUnit::writeSpecial(unsigned number, unsigned mask, std::uint32_t value) {
   const auto base = static_cast<std::uint8_t>(value & 0xF0U);
   switch (number) {
     case 8:
@@ -288,7 +288,7 @@ void Exceptions::writeSpecial(unsigned number, unsigned mask, std::uint32_t valu
   }
 }
 
-void Exceptions::setControl(std::uint32_t value) {
+void ExceptionUnit::setControl(std::uint32_t value) {
   const bool wants_process = ipsr_ == 0 ? (value & 2U) != 0 : on_process_stack_;
   control_register_ = (value & 1U) | (wants_process ? 2U : 0U);
   if (wants_process == on_process_stack_) return;

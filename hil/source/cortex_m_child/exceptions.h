@@ -24,10 +24,10 @@ class DeviceTime {
 /// (tail-chaining) 6 with the branch. What arrives in the first 8 cycles of an entry and has a higher
 /// priority is entered instead (late arrival). All as ARM 2010, Exception handling, has it for memories
 /// without wait states: those of the vector's fetch pass behind the stacking.
-class Exceptions {
+class ExceptionUnit {
  public:
-  Exceptions(Present& present, Core& core, Nvic& nvic, SystemControl& control, DeviceTime& devices,
-             std::span<std::uint8_t> sram);
+  ExceptionUnit(Present& present, Core& core, Nvic& nvic, SystemControl& control, DeviceTime& devices,
+                std::span<std::uint8_t> sram);
 
   /// Stack pointer and PC from the vector table at the flash's start.
   void reset();

@@ -20,12 +20,12 @@ Timing load(unsigned target, unsigned base, std::uint8_t flags = 0) {
 
 /// A store whose offset is a number takes one cycle: the write is done while the next instruction runs.
 Timing store(unsigned base, bool has_register_offset) {
-  if (!has_register_offset) return plain(1);
-  return {2, Timing::kNoRegister, static_cast<std::uint8_t>(base), Timing::kPipelines};
+  if (!has_register_offset) return plain(1, Timing::kStores);
+  return {2, Timing::kNoRegister, static_cast<std::uint8_t>(base), Timing::kPipelines | Timing::kStores};
 }
 
-Timing several(unsigned registers, bool loads_pc) {
-  return plain(1 + static_cast<unsigned>(std::popcount(registers)), loads_pc ? Timing::kIndirect : 0);
+Timing several(unsigned registers, std::uint8_t flags) {
+  return plain(1 + static_cast<unsigned>(std::popcount(registers)), flags);
 }
 
 Timing hint(unsigned operation) {
@@ -36,8 +36,9 @@ Timing hint(unsigned operation) {
 Timing miscellaneous16(std::uint32_t code) {
   if ((code & 0xFF00U) == 0xBF00U)
     return (code & 0xFU) != 0 ? plain(1, Timing::kIfThen) : hint(code >> 4 & 0xFU);
-  if ((code & 0xFE00U) == 0xB400U) return several(code & 0x1FFU, false);
-  if ((code & 0xFE00U) == 0xBC00U) return several(code & 0x1FFU, (code & 0x100U) != 0);
+  if ((code & 0xFE00U) == 0xB400U) return several(code & 0x1FFU, Timing::kStores);
+  if ((code & 0xFE00U) == 0xBC00U)
+    return several(code & 0x1FFU, (code & 0x100U) != 0 ? Timing::kIndirect : 0);
   if ((code & 0xFFE0U) == 0xB660U || (code & 0xFF00U) == 0xBE00U) return plain(1, Timing::kTrap);
   return plain(1);
 }
@@ -62,7 +63,7 @@ Timing timing16(std::uint32_t code) {
     case 11:
       return miscellaneous16(code);
     case 12:
-      return several(code & 0xFFU, false);
+      return several(code & 0xFFU, (code & 0x0800U) != 0 ? 0 : Timing::kStores);
     case 13:
       return plain(1, (code & 0xFF00U) == 0xDF00U ? Timing::kTrap : 0);
     default:
@@ -74,7 +75,10 @@ Timing tableOrDual(std::uint32_t first, std::uint32_t second) {
   if ((first & 0xFFF0U) == 0xE8D0U && (second & 0xFFE0U) == 0xF000U) return plain(2, Timing::kIndirect);
   const bool is_exclusive = (first & 0x0120U) == 0;
   const bool is_literal = (first & 0x001FU) == 0x001FU;
-  return plain(is_exclusive ? 2 : 3, is_literal ? Timing::kLiteral : 0);
+  // Exclusive loads are counted as stores: what they reserve is no register.
+  const bool is_load = !is_exclusive && (first & 0x0010U) != 0;
+  const std::uint8_t effect = is_load ? 0 : Timing::kStores;
+  return plain(is_exclusive ? 2 : 3, static_cast<std::uint8_t>(effect | (is_literal ? Timing::kLiteral : 0)));
 }
 
 Timing control(std::uint32_t first, std::uint32_t second) {

@@ -23,6 +23,9 @@ struct Timing {
   /// A branch, should it be taken, to where only a register says.
   static constexpr std::uint8_t kIndirect = 32;
 
+  /// Changes memory.
+  static constexpr std::uint8_t kStores = 64;
+
   std::uint8_t cycles{1};
   std::uint8_t loads{kNoRegister};  ///< The register that a single load fills.
   std::uint8_t base{kNoRegister};   ///< The register that gives a load's or store's address.

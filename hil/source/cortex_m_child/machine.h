@@ -99,7 +99,7 @@ class Machine final : public emulator::Emulator, private CoreBus, private Device
   Usarts usarts_;
   SerialLine line_;
   Core core_;
-  Exceptions exceptions_;
+  ExceptionUnit exceptions_;
   std::vector<Device*> timed_;  ///< Devices with events.
   std::deque<Input> inputs_;
   std::uint64_t watermark_{};

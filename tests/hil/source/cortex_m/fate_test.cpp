@@ -7,6 +7,7 @@
 
 #include "tests/hil/base/temp_folder.h"
 #include "tests/hil/source/cortex_m/cortex_m_run.h"
+#include "twin/base/random.h"
 
 namespace kerfbench::source::cortex_m {
 namespace {
@@ -71,6 +72,41 @@ TEST_F(CortexMFate, AFloodOfEdgesIsStopped) {
   EXPECT_LT(batch.watermark, 10 * kMs);
   EXPECT_EQ(source->advance(20 * kMs, batch), Stop::kFlooded);
   EXPECT_TRUE(batch.events.empty());
+}
+
+/// An image with a valid start and vectors into its own bytes, which are drawn.
+std::string drawnImage(std::uint64_t seed) {
+  const CounterRandom random(seed, 0);
+  std::string bytes;
+  const auto putWord = [&](std::uint32_t word) {
+    for (unsigned i = 0; i < 4; ++i) bytes += static_cast<char>(word >> (8 * i) & 0xFFU);
+  };
+  for (std::uint64_t i = 0; i < 1024; ++i) {
+    const auto drawn = static_cast<std::uint32_t>(random.bits(i));
+    if (i == 0) {
+      putWord(0x20005000);
+    } else if (i < 59) {
+      putWord(i == 1 ? 0x08000101 : 0x08000100 + (drawn % 0xE00 | 1U));
+    } else {
+      putWord(drawn);
+    }
+  }
+  return bytes;
+}
+
+TEST_F(CortexMFate, DrawnCodeNeverEndsTheChildItself) {
+  const base::TempFolder folder;
+  auto options = optionsFor("hang");
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    options.image = folder.write("drawn.bin", drawnImage(seed));
+    const auto result = runWith(options, 2 * kMs);
+    // A child that has gone, or broken the protocol, is told by other words.
+    if (result.stop == Stop::kCrashed) {
+      EXPECT_THAT(result.message, HasSubstr("PC 0x")) << "seed " << seed;
+    } else {
+      EXPECT_NE(result.stop, Stop::kHung) << "seed " << seed;
+    }
+  }
 }
 
 class CortexMImage : public CortexM {
