@@ -7,6 +7,7 @@ namespace kerfbench::cortex_m_child {
 namespace {
 
 constexpr std::uint32_t kSlotBytes = 0x400;
+constexpr std::uint32_t kApb2Base = 0x40010000, kAhbBase = 0x40018000;
 
 constexpr std::uint32_t sizeMask(unsigned bytes) {
   return bytes >= 4 ? 0xFFFFFFFFU : (1U << (8 * bytes)) - 1U;
@@ -43,9 +44,9 @@ const Bus::Slot* Bus::slotAt(std::uint32_t address) const {
 Cycle Bus::waitCycles(std::uint32_t address) const {
   if (isAlias(address, kDeviceAliasBase, kDeviceBytes))
     return 2 * waitCycles(kDeviceBase + (address - kDeviceAliasBase) / 32);
-  const Slot* slot = slotAt(address);
-  if (slot == nullptr || address >= kSystemBase || slot->bus == ClockBus::kAhb) return 0;
-  return rcc_.divider(slot->bus == ClockBus::kAlways ? ClockBus::kApb1 : slot->bus);
+  if (address - kDeviceBase < kApb2Base - kDeviceBase) return rcc_.divider(ClockBus::kApb1);
+  if (address - kApb2Base < kAhbBase - kApb2Base) return rcc_.divider(ClockBus::kApb2);
+  return 0;
 }
 
 /// Whether nothing happens because the device has no clock; one that is not modelled ends the run otherwise.

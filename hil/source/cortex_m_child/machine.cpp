@@ -52,6 +52,7 @@ Machine::Machine(const emulator::OpenRequest& asked)
       watchdog_(present_, time_),
       line_(present_, time_, usarts_, asked.baud),
       core_(present_, *this, flash_, sram_, system_memory_),
+      // NOLINTNEXTLINE(bugprone-throw-keyword-missing): exceptions of the core, and nothing to throw.
       exceptions_(present_, core_, nvic_, control_, *this, sram_) {
   writeIdentity(part_, system_memory_);
   addDevices();
@@ -88,7 +89,7 @@ void Machine::addDevices() {
     bus_.add({0x40010800 + i * 0x400, &pins_.port(i), ClockBus::kApb2, 2 + i,
               "GPIO" + std::string(1, static_cast<char>('A' + i))});
   bus_.add({0x40010000, &afio_, ClockBus::kApb2, 0, "AFIO"});
-  bus_.add({0x40010400, &exti_, ClockBus::kApb2, 0, "EXTI"});
+  bus_.add({0x40010400, &exti_, ClockBus::kAlways, 0, "EXTI"});
   bus_.add({0x40003000, &watchdog_, ClockBus::kAlways, 0, "IWDG"});
   bus_.add({0x40006C00, &backup_, ClockBus::kApb1, 27, "BKP"});
   bus_.add({0x40007000, &power_, ClockBus::kApb1, 28, "PWR"});
@@ -290,10 +291,9 @@ void Machine::findEvents() {
   next_input_ = findInput();
 }
 
-void Machine::badAccess(std::uint32_t address, const char* verb) {
+void Machine::badAccess(std::uint32_t address, const std::string& what) {
   if (bad_access_) return;
-  bad_access_ = {core_.pc(), address,
-                 std::string(verb) + " " + hex32(address) + ", where there is no device"};
+  bad_access_ = {core_.pc(), address, what};
 }
 
 std::uint32_t Machine::readDevice(std::uint32_t address, unsigned bytes) {
@@ -301,7 +301,7 @@ std::uint32_t Machine::readDevice(std::uint32_t address, unsigned bytes) {
   runDevicesTo(present_.cycle);
   control_.setCurrent(exceptions_.currentException());
   const auto value = bus_.read(address, bytes);
-  if (!value) badAccess(address, "it reads");
+  if (!value) badAccess(address, "it reads " + hex32(address) + ", where there is no device");
   if (address < kSystemBase && !isPort(address)) next_input_ = findInput();  // A USART may be ready again.
   refreshLimit();
   return value.value_or(0);
@@ -314,7 +314,8 @@ void Machine::writeDevice(std::uint32_t address, unsigned bytes, std::uint32_t v
     // A change of the clocks counts from here on.
     if (address - 0x40021000U < 0x400U) timer->runTo(present_.cycle);
   }
-  if (!bus_.write(address, bytes, value)) badAccess(address, "it writes to");
+  if (!bus_.write(address, bytes, value))
+    badAccess(address, "it writes to " + hex32(address) + ", where there is no device");
   onClock();
   if (!isPort(address)) findEvents();
   refreshLimit();
@@ -322,7 +323,8 @@ void Machine::writeDevice(std::uint32_t address, unsigned bytes, std::uint32_t v
 
 void Machine::writeFlash(std::uint32_t offset, unsigned bytes, std::uint32_t value) {
   if (!flash_interface_.program(offset, bytes, value))
-    badAccess(kFlashBase + offset, "it writes other than a half-word to");
+    badAccess(kFlashBase + offset,
+              "it writes other than a half-word to the flash, at " + hex32(kFlashBase + offset));
 }
 
 void Machine::sleepTo(Cycle end) {

@@ -71,7 +71,7 @@ class Machine final : public emulator::Emulator, private CoreBus, private Device
   void feedInput();
   void advanceTo(Cycle cycle);
   void refreshLimit();
-  void badAccess(std::uint32_t address, const char* verb);
+  void badAccess(std::uint32_t address, const std::string& what);
   void step(Cycle end);
   void sleepTo(Cycle end);
   void runCore();

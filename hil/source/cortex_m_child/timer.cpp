@@ -197,6 +197,7 @@ void Timer::refuseUnmodelled() {
     present_.refuse("the firmware sets slave mode " + std::to_string(slave_mode) + " of " + own);
   if (slave_mode == 7 && (slave_ >> 4 & 7U) < 4)
     present_.refuse("the firmware clocks " + own + " by another timer");
+  if ((break_ >> 12 & 1U) != 0) present_.refuse("the firmware sets the break input of TIM1");
   if (number_ == 1 && (break_ & 0xFFU) != 0 && (enable_ & 0x444U) != 0)
     present_.refuse("the firmware sets a dead time of TIM1");
 }

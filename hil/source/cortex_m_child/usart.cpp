@@ -76,7 +76,7 @@ void Usart::write(std::uint32_t offset, std::uint32_t value) {
       rate_ = value & 0xFFFFU;
       break;
     case kControl1:
-      control1_ = value & 0x3FFFU;
+      writeControl(value & 0x3FFFU);
       break;
     case kControl2:
       control2_ = value & 0x7FFFU;
@@ -93,6 +93,14 @@ void Usart::write(std::uint32_t offset, std::uint32_t value) {
   refuseUnmodelled();
   updateLines();
   serveDma();
+}
+
+void Usart::writeControl(std::uint32_t value) {
+  const bool had_transmitter = transmits();
+  control1_ = value;
+  // A transmitter that is switched on sends an idle frame first.
+  if (!had_transmitter && transmits() && rate_ != 0)
+    shift_ends_at_ = present_.cycle + cyclesPerBit() * bitsPerFrame();
 }
 
 void Usart::load(std::uint8_t byte) {

@@ -40,6 +40,7 @@ class Usart final : public Device {
 
  private:
   [[nodiscard]] bool transmits() const { return (control1_ >> 13 & 1U) != 0 && (control1_ >> 3 & 1U) != 0; }
+  void writeControl(std::uint32_t value);
   void load(std::uint8_t byte);
   void updateLines();
   void refuseUnmodelled();

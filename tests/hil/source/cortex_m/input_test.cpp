@@ -160,6 +160,18 @@ TEST_F(CortexMInput, EchoByDmaTakesHalvesEndsAndIdleLines) {
   EXPECT_EQ(echoOf(text, "echo_dma", 20 * kMs).uart, text);
 }
 
+TEST_F(CortexMInput, ATransmitterBeginsWithAnIdleFrame) {
+  auto options = optionsFor("talk");
+  options.baud = 115'200;
+  const auto source = openChild(options);
+  Batch batch;
+  // It is switched on at some 700 ticks, and a frame has 6250.
+  ASSERT_EQ(source->advance(13'000, batch), Stop::kReached);
+  EXPECT_TRUE(batch.uart.empty());
+  ASSERT_EQ(source->advance(14'000, batch), Stop::kReached);
+  EXPECT_EQ(std::string(batch.uart.begin(), batch.uart.end()), "s");
+}
+
 TEST_F(CortexMInput, AnotherRateEndsTheRunAndIsNamed) {
   for (const std::uint32_t baud : {109'800U, 115'200U, 121'500U}) {
     auto options = optionsFor("talk");
