@@ -25,6 +25,19 @@ TEST_F(CortexMException, EntryTailChainingAndReturnTakeTheirCycles) {
   EXPECT_THAT(linesOf(runWith(options, 200'000).uart), ElementsAre("17", "11", "16"));
 }
 
+TEST_F(CortexMException, OneThatArrivesDuringAnEntryIsEnteredInstead) {
+  const auto result = run("late_arrival", 10 * kMs);
+  const auto steps_of_urgent = steps(edgesOf(result.events, {0, 1}));
+  ASSERT_GT(steps_of_urgent.size(), 600U);
+  // An entry that the other interrupt began three cycles before ends three cycles earlier than one of its
+  // own; had it to wait for the other's end, it would be nine later.
+  for (std::size_t i = 4; i < 600; ++i) {
+    EXPECT_TRUE(steps_of_urgent[i] == 997 || steps_of_urgent[i] == 1003) << i << ": " << steps_of_urgent[i];
+    EXPECT_EQ(steps_of_urgent[i] + steps_of_urgent[i - 1], 2000U) << i;
+  }
+  EXPECT_GT(result.events.size(), 2 * steps_of_urgent.size() + 300) << "the other one comes as well";
+}
+
 TEST_F(CortexMException, ThreadsHaveStacksOfTheirOwn) {
   EXPECT_THAT(linesOf(run("threads", 20 * kMs).uart), ElementsAre("1", "0", "15"));
 }

@@ -165,7 +165,7 @@ TEST_F(CortexMInput, ATransmitterBeginsWithAnIdleFrame) {
   options.baud = 115'200;
   const auto source = openChild(options);
   Batch batch;
-  // It is switched on at some 700 ticks, and a frame has 6250.
+  // The firmware switches it on at some 700 ticks, and a frame has 6250.
   ASSERT_EQ(source->advance(13'000, batch), Stop::kReached);
   EXPECT_TRUE(batch.uart.empty());
   ASSERT_EQ(source->advance(14'000, batch), Stop::kReached);
