@@ -27,8 +27,8 @@ __attribute__((section(".vectors"), used)) static const void* const kVectors[16 
 };
 
 void kb_start(void) {
-  memcpy(&kb_data_begin, &kb_data_image, (size_t)((char*)&kb_data_end - (char*)&kb_data_begin));
-  memset(&kb_bss_begin, 0, (size_t)((char*)&kb_bss_end - (char*)&kb_bss_begin));
+  memcpy(&kb_data_begin, &kb_data_image, (uintptr_t)&kb_data_end - (uintptr_t)&kb_data_begin);
+  memset(&kb_bss_begin, 0, (uintptr_t)&kb_bss_end - (uintptr_t)&kb_bss_begin);
   (void)main();
   unexpected();
 }
