@@ -34,7 +34,7 @@ void Timer::reset() {
   modes_[0] = modes_[1] = 0;
   count_ = prescaler_ = active_prescaler_ = repetitions_ = repetitions_left_ = 0;
   top_ = active_top_ = 0xFFFF;
-  down_ = trigger_level_ = false;
+  down_ = listens_ = false;
   prescaled_ = trigger_skipped_ = 0;
   base_ = present_.cycle;
   findPins();
@@ -121,8 +121,17 @@ void Timer::write(std::uint32_t offset, std::uint32_t value) {
     if (!isInput(i)) updateReference(i, false);
   }
   refuseUnmodelled();
+  listen();
   showOutputs();
   updateLines();
+}
+
+/// Whether levels of pins matter to what is set now; where they begin to, they are looked at.
+void Timer::listen() {
+  bool listens = source() != Source::kInternal;
+  for (unsigned i = 0; i < kChannels; ++i) listens = listens || isInput(i);
+  if (listens && !listens_) findPins();
+  listens_ = listens;
 }
 
 void Timer::writeControl(std::uint32_t offset, std::uint32_t value) {

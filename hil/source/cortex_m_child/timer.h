@@ -110,6 +110,7 @@ class Timer final : public Device {
   void raise(std::uint32_t flags);
   void updateLines();
   void refuseUnmodelled();
+  void listen();
 
   Present& present_;
   Nvic& nvic_;
@@ -138,7 +139,7 @@ class Timer final : public Device {
   Cycle base_{};               ///< Cycle at which count_ was reached.
   std::uint32_t prescaled_{};  ///< Edges of an external clock since the last count.
   std::uint32_t trigger_skipped_{};
-  bool trigger_level_{};
+  bool listens_{};
 };
 
 }  // namespace kerfbench::cortex_m_child

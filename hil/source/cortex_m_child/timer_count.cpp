@@ -230,6 +230,7 @@ void Timer::onTrigger(bool level) {
 }
 
 void Timer::onPins(unsigned port, std::uint32_t changed) {
+  if (!listens_) return;
   const auto has_changed = [&](Pin pin) { return pin.port == port && (changed >> pin.bit & 1U) != 0; };
   for (unsigned i = 0; i < kChannels; ++i) {
     const auto& pin = channels_[i].pin;

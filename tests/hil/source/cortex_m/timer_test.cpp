@@ -119,8 +119,23 @@ TEST_F(CortexMTimer, ACoreThatIsSlowerHasFewerCyclesInATick) {
   EXPECT_EQ(falls[5] - rises[5], 270U);
 }
 
+TEST_F(CortexMTimer, LoopsThatCountAndLoopsThatWaitTakeTheirTime) {
+  const auto result = run("delay", 30 * kMs);
+  std::vector<Tick> edges;
+  for (const auto& event : result.events) edges.push_back(event.tick);
+  const auto gaps = steps(edges);
+  ASSERT_GT(gaps.size(), 30U);
+  // A turn is SUBS 1 and a branch of 1 + P, P from 1 to 3; 999 of them are taken.
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_GE(gaps[i], 3000U) << i;
+    EXPECT_LE(gaps[i], 5020U) << i;
+  }
+  for (std::size_t i = 10; i < gaps.size(); ++i)
+    EXPECT_NEAR(static_cast<double>(gaps[i]), 72'000.0, 8.0) << i;
+}
+
 TEST_F(CortexMTimer, NothingDependsOnHowARunIsCut) {
-  for (const char* firmware : {"pulses", "systick", "pwm", "timer_dma", "threads", "watchdog"}) {
+  for (const char* firmware : {"delay", "pulses", "systick", "pwm", "timer_dma", "threads", "watchdog"}) {
     const auto whole = run(firmware, 4 * kMs, 4 * kMs);
     for (const Tick quantum : {Tick{1009}, Tick{7}}) {
       const Tick until = quantum == 7 ? kMs / 6 : 4 * kMs;
