@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Cycles that the core takes, by DWT, at no wait states: each sequence lies between two readings of the counter,
- * whose own cost is taken off. */
+/* Cycles that the core takes, by DWT, at no wait states: each sequence lies between two readings of the
+ * counter, whose own cost is taken off. */
 #include "stm32f103.h"
 
 static volatile uint32_t cell[4];
 
-#define MEASURE(name, ...)                                                                              \
-  do {                                                                                                  \
-    uint32_t a, b;                                                                                      \
-    __asm__ volatile(                                                                                   \
-        ".balign 8\n nop\n nop\n nop\n nop\n movs r5, #3\n movs r6, #1\n mov r8, %3\n"                 \
-        "ldr %0, [%2]\n nop\n" __VA_ARGS__ "\n ldr %1, [%2]\n"                                          \
-        : "=&r"(a), "=&r"(b)                                                                            \
-        : "r"(0xE0001004), "r"(cell)                                                                    \
-        : "r4", "r5", "r6", "r7", "r8", "r9", "memory", "cc");                                          \
-    say(name " ");                                                                                      \
-    say_number(b - a - base);                                                                           \
-    if (first) base = b - a, first = 0;                                                                 \
+#define MEASURE(name, ...)                                                             \
+  do {                                                                                 \
+    uint32_t a, b;                                                                     \
+    __asm__ volatile(                                                                  \
+        ".balign 8\n nop\n nop\n nop\n nop\n movs r5, #3\n movs r6, #1\n mov r8, %3\n" \
+        "ldr %0, [%2]\n nop\n" __VA_ARGS__ "\n ldr %1, [%2]\n"                         \
+        : "=&r"(a), "=&r"(b)                                                           \
+        : "r"(0xE0001004), "r"(cell)                                                   \
+        : "r4", "r5", "r6", "r7", "r8", "r9", "memory", "cc");                         \
+    say(name " ");                                                                     \
+    say_number(b - a - base);                                                          \
+    if (first) base = b - a, first = 0;                                                \
   } while (0)
 
 int main(void) {

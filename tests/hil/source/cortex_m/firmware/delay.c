@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* PA0 toggles after each 1000 turns of a loop that counts in a register, and after a flag of SysTick's, for which
- * a loop waits that changes nothing. */
+/* PA0 toggles after each 1000 turns of a loop that counts in a register, and after a flag of SysTick's, for
+ * which a loop waits that changes nothing. */
 #include "stm32f103.h"
 
 static volatile uint32_t ticked;

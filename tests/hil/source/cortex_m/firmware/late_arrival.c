@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* TIM3, urgent, pulses PA1 each 1000 cycles; TIM2, not urgent, toggles PA0 each 2000, three cycles before it: the
- * entry of its handler has begun when the other interrupt arrives. */
+/* TIM3, urgent, pulses PA1 each 1000 cycles; TIM2, not urgent, toggles PA0 each 2000, three cycles before it:
+ * the entry of its handler has begun when the other interrupt arrives. */
 #include "stm32f103.h"
 
 void on_tim2(void) {

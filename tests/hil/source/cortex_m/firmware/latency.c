@@ -11,8 +11,7 @@ __attribute__((naked)) void on_exti0(void) {
       "str r2, [r1, #4]\n bx lr\n");
 }
 __attribute__((naked)) void on_exti1(void) {
-  __asm__ volatile(
-      "ldr r0, =0xE0001004\n ldr r1, =stamps\n ldr r2, [r0]\n str r2, [r1, #8]\n nop\n bx lr\n");
+  __asm__ volatile("ldr r0, =0xE0001004\n ldr r1, =stamps\n ldr r2, [r0]\n str r2, [r1, #8]\n nop\n bx lr\n");
 }
 
 int main(void) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Three interrupts made pending at once: EXTI2 is the most urgent, EXTI0 and EXTI1 are equal. From within EXTI1
- * PendSV, the least urgent, and EXTI2 again are made pending. Each says its name on USART1 as it begins. */
+/* Three interrupts made pending at once: EXTI2 is the most urgent, EXTI0 and EXTI1 are equal. From within
+ * EXTI1 PendSV, the least urgent, and EXTI2 again are made pending. Each says its name on USART1 as it
+ * begins. */
 #include "stm32f103.h"
 
 static char order[16];

@@ -34,12 +34,29 @@ HANDLER(on_tim4);
 HANDLER(on_usart1);
 
 __attribute__((section(".vectors"), used)) static const void* const kVectors[16 + 43] = {
-    [0] = &stack_top,        [1] = start,           [2] = on_nmi,         [3] = on_hard_fault,
-    [4] = stay,              [5] = on_bus_fault,    [6] = on_usage_fault, [11] = on_svcall,
-    [14] = on_pendsv,        [15] = on_systick,     [16 + 6] = on_exti0,  [16 + 7] = on_exti1,
-    [16 + 8] = on_exti2,     [16 + 11] = on_dma1,   [16 + 14] = on_dma4,  [16 + 15] = on_dma5,
-    [16 + 23] = on_exti9_5,  [16 + 25] = on_tim1_up, [16 + 27] = on_tim1_cc, [16 + 28] = on_tim2,
-    [16 + 29] = on_tim3,     [16 + 30] = on_tim4,   [16 + 37] = on_usart1};
+    [0] = &stack_top,
+    [1] = start,
+    [2] = on_nmi,
+    [3] = on_hard_fault,
+    [4] = stay,
+    [5] = on_bus_fault,
+    [6] = on_usage_fault,
+    [11] = on_svcall,
+    [14] = on_pendsv,
+    [15] = on_systick,
+    [16 + 6] = on_exti0,
+    [16 + 7] = on_exti1,
+    [16 + 8] = on_exti2,
+    [16 + 11] = on_dma1,
+    [16 + 14] = on_dma4,
+    [16 + 15] = on_dma5,
+    [16 + 23] = on_exti9_5,
+    [16 + 25] = on_tim1_up,
+    [16 + 27] = on_tim1_cc,
+    [16 + 28] = on_tim2,
+    [16 + 29] = on_tim3,
+    [16 + 30] = on_tim4,
+    [16 + 37] = on_usart1};
 
 void start(void) {
   const uint32_t* from = &data_image;

@@ -19,7 +19,7 @@
 #define FLASH_CR REG(0x40022010)
 #define FLASH_AR REG(0x40022014)
 
-#define GPIO(port, offset) REG(0x40010800 + (port) * 0x400 + (offset))
+#define GPIO(port, offset) REG(0x40010800 + (port)*0x400 + (offset))
 #define GPIOA_CRL GPIO(0, 0x00)
 #define GPIOA_CRH GPIO(0, 0x04)
 #define GPIOA_IDR GPIO(0, 0x08)
@@ -93,8 +93,20 @@
 #define DWT_CTRL REG(0xE0001000)
 #define DWT_CYCCNT REG(0xE0001004)
 
-enum { IRQ_EXTI0 = 6, IRQ_EXTI1 = 7, IRQ_EXTI2 = 8, IRQ_DMA1 = 11, IRQ_DMA4 = 14, IRQ_DMA5 = 15, IRQ_TIM1_UP = 25,
-       IRQ_TIM1_CC = 27, IRQ_TIM2 = 28, IRQ_TIM3 = 29, IRQ_TIM4 = 30, IRQ_USART1 = 37 };
+enum {
+  IRQ_EXTI0 = 6,
+  IRQ_EXTI1 = 7,
+  IRQ_EXTI2 = 8,
+  IRQ_DMA1 = 11,
+  IRQ_DMA4 = 14,
+  IRQ_DMA5 = 15,
+  IRQ_TIM1_UP = 25,
+  IRQ_TIM1_CC = 27,
+  IRQ_TIM2 = 28,
+  IRQ_TIM3 = 29,
+  IRQ_TIM4 = 30,
+  IRQ_USART1 = 37
+};
 
 static inline void enable_interrupt(unsigned irq) { NVIC_ISER(irq / 32) = 1U << (irq % 32); }
 static inline void wait_for_interrupt(void) { __asm__ volatile("wfi"); }

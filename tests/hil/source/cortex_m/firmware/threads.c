@@ -67,8 +67,8 @@ int main(void) {
   SYST_CVR = 0;
   /* This function becomes thread 0's stand-in: its context is never taken up again. */
   running = 0;
-  __asm__ volatile(
-      "msr psp, %0\n movs r1, #2\n msr control, r1\n isb\n" ::"r"(&stacks[0][100]) : "r1", "memory");
+  __asm__ volatile("msr psp, %0\n movs r1, #2\n msr control, r1\n isb\n" ::"r"(&stacks[0][100])
+                   : "r1", "memory");
   SYST_CSR = 7;
   counter();
   return 0;
