@@ -66,8 +66,13 @@ void kb_program_configure(const struct kb_config* config) {
   p.config = *config;
 #ifdef KB_DEFECT_GATE_LATE
   /* Defect: the laser's own delay of 2 ms is added where it should be taken off. */
-  p.config.gate_on_delay = (uint16_t)(config->gate_on_delay > 175 ? 255 : config->gate_on_delay + 80);
-  p.config.gate_off_delay = (uint16_t)(config->gate_off_delay > 175 ? 255 : config->gate_off_delay + 80);
+  enum { LATE_TICKS = KB_CPU_HZ / 500UL / KB_TICK_CYCLES, MOST_TICKS = 255 };
+  p.config.gate_on_delay =
+      (uint16_t)(config->gate_on_delay > MOST_TICKS - LATE_TICKS ? MOST_TICKS
+                                                                 : config->gate_on_delay + LATE_TICKS);
+  p.config.gate_off_delay =
+      (uint16_t)(config->gate_off_delay > MOST_TICKS - LATE_TICKS ? MOST_TICKS
+                                                                  : config->gate_off_delay + LATE_TICKS);
 #endif
   kb_engine_configure(p.dir_a ^ config->invert_a, p.dir_c ^ config->invert_c, heldBits(config->wide),
                       config->wide_ticks);

@@ -38,11 +38,37 @@ unsigned char _sdcc_external_startup(void) {
   return 0;
 }
 
+#ifdef KB_DEFECT_DIR_LATE
+static uint8_t shown_dirs;
+
+/* Defect: DIR is written with the step that needs it, and 2 us after its PUL. */
+static void writeAWithLateDir(void) {
+  const uint8_t pulses = kb_engine.out_a & KB_PUL_A;
+  const uint8_t stepping_dirs = (uint8_t)((uint8_t)((kb_engine.out_a ^ kb_engine.idle_a) & KB_PUL_A) << 1);
+  uint8_t wait = 12;
+  P1 = pulses | shown_dirs;
+  do {
+  } while (--wait);
+  shown_dirs = (uint8_t)((shown_dirs & (uint8_t)~stepping_dirs) | (kb_engine.out_a & stepping_dirs));
+  P1 = pulses | shown_dirs;
+}
+#endif
+
 void tick(void) __interrupt(1) {
   const uint8_t inputs = P0;
   const uint8_t out_c = kb_engine.out_c;
+#ifdef KB_DEFECT_PULSES_LOST
+  /* Defect: "the UART must not overrun", so a tick gives way to a waiting byte, and its steps are gone. */
+  if (RI) {
+    kb_engine.out_a = kb_engine.idle_a;
+  }
+#endif
   if (kb_has_levels) {
+#ifdef KB_DEFECT_DIR_LATE
+    writeAWithLateDir();
+#else
     P1 = kb_engine.out_a;
+#endif
     P2 = out_c | 0xF0U;
   }
   if (kb_tick_begins_period()) {
@@ -50,7 +76,11 @@ void tick(void) __interrupt(1) {
   }
   kb_tick_compute(inputs, false);
   if (kb_has_levels) {
+#ifdef KB_DEFECT_DIR_LATE
+    P1 = (uint8_t)((kb_engine.idle_a & KB_PUL_A) | shown_dirs);
+#else
     P1 = kb_engine.idle_a;
+#endif
     P2 = (uint8_t)((out_c & (uint8_t) ~(KB_FEED_PUL | KB_FEED_DIR)) | kb_engine.idle_c | 0xF0U);
   }
 }
