@@ -97,7 +97,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   run::ModelMachine machine(test_case, sampled, info.rate, run::modelOptions(test_case));
   const std::unique_ptr<judge::SpotWatch> spot_watch =
       judge::SpotWatch::of(test_case, machine, info.rate, options.jobs);
-  run::LockstepOptions lockstep = run::lockstepFor(scenario);
+  run::LockstepOptions lockstep = run::lockstepFor(test_case);
   lockstep.heard = judge::heardBy(spot_watch.get());
   const bool provoked = scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
   run::Provocation provocation(scenario.provoke, info.rate, scenario.seed);

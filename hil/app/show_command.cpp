@@ -83,7 +83,7 @@ run::MachineFilm filmed(const scenario::Case& test_case, const twin::SampledMach
   run::ModelMachine machine(
       test_case, sampled, source->info().rate,
       {.fidelity = twin::Fidelity::kFast, .seed = scenario.seed, .record_exposures = false});
-  run::LockstepOptions lockstep = run::lockstepFor(scenario);
+  run::LockstepOptions lockstep = run::lockstepFor(test_case);
   const bool to_the_end = options.at_s.empty();
   if (!to_the_end) {
     lockstep.time_limit_s =

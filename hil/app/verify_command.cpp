@@ -84,7 +84,8 @@ std::vector<std::string> contradictionsIn(const fs::path& folder, const Json& ve
 Json withoutOrigin(Json verdict) {
   for (const char* field : {"firmware", "source", "repeat_command"}) verdict.erase(field);
   if (!verdict.contains("versions") || !verdict["versions"].is_object()) return verdict;
-  for (const char* version : {"firmware sha256", "controller"}) verdict["versions"].erase(version);
+  for (const char* version : {"firmware sha256", "controller", "firmware's words"})
+    verdict["versions"].erase(version);
   return verdict;
 }
 

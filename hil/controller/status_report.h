@@ -16,10 +16,16 @@ struct StatusReport {
   std::string state;                      ///< "Idle", "Run", …
   std::array<double, 2> machine_place{};  ///< X and Y in the machine's coordinates, in the firmware's unit.
   double resolution{};                    ///< Value of the last digit.
+  Tick heard{};                           ///< When its last byte was there.
 };
 
-/// The last whole report that has a machine's place among the words of a recording; nullopt if none has.
-std::optional<StatusReport> lastStatus(const source::PinRecording& recording);
+/// What the words of a line-ok firmware say of its place.
+struct StatusWords {
+  std::optional<StatusReport> last;  ///< The last whole report that has a machine's place.
+  std::optional<Tick> first_ok;      ///< When it first answered a line.
+};
+/// Lines of more than 512 bytes are passed over.
+StatusWords statusWords(const source::PinRecording& recording);
 
 /// An axis of the head that a report is held against.
 struct ReportedAxis {
@@ -27,9 +33,9 @@ struct ReportedAxis {
   double step_mm{};  ///< One step, by the machine's data sheet; > 0.
 };
 
-/// Holds a report against the pulses of x and y: a place in mm, or in inches, agrees with the steps counted
-/// from power-on if it is that place rounded to its last digit; else it is told in whole steps. An axis that
-/// is not wired is left out.
+/// Holds a report against the pulses of x and y since the controller woke at its place 0: a place agrees with
+/// the steps if it is that place, right to its last digit; else it is told in whole steps. Places are mm, or
+/// with four digits behind the point inches, as Grbl 1.1 prints them. An axis that is not wired is left out.
 inspect::ControllerAccount compareWithStatus(const StatusReport& report, const PulseCounter& pins,
                                              const std::array<ReportedAxis, 2>& axes);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <variant>
 
 #include <fmt/format.h>
 #include <Eigen/Dense>
@@ -16,57 +17,89 @@ constexpr double kStation_mm = 0.5;
 constexpr int kRounds = 25;
 constexpr double kSettled = 1e-7;  // Change of a factor below which a round has brought nothing.
 constexpr double kSlopeStep = 1e-4;
+constexpr double kLongestChange = 0.3;  // Of a factor in one round: far from the goal slopes mislead.
 /// A cause leaves less than this share of the distance.
 constexpr double kLeft = 0.2;
 /// Another way that leaves less than so many times as much explains it as well.
 constexpr double kAsGood = 3.0;
 constexpr double kSmallestRest_mm = 0.01;  // Half a step and the flattening of curves.
+constexpr double kLargestFactor = 5.0;     // No machine is set up by more.
+/// A way whose factors are so many times nearer to 1 than those of another is the likelier one.
+constexpr double kPlainer = 3.0;
+constexpr double kSmallestLog = 1e-3;
+/// Share of the drawing's width and height that a path must have, or nothing is known of what lies beyond.
+constexpr double kCovered = 0.95;
+constexpr double kStalled = 0.9;  // A round that leaves more than this share of the distance is no progress …
+constexpr int kPatience = 4;      // … after so many.
 
-/// The drawing as short straight lines.
-class Drawing {
+/// A curve of the drawing as straight lines.
+class Polyline {
  public:
-  Drawing(const dieline::Dieline& dieline, const PrintLayout& print) : print_(print) {
-    for (const dieline::Entity& entity : dieline.entities) {
-      if (entity.process == dieline::Process::kIgnore) continue;
-      std::optional<Eigen::Vector2d> before;
-      for (const double u : dieline::stations(entity.curve, kStation_mm)) {
-        const Eigen::Vector2d p = dieline::pointAt(entity.curve, u);
-        box_.extend(p);
-        if (before) lines_.push_back({*before, p - *before});
-        before = p;
-      }
+  explicit Polyline(const dieline::Curve& curve) {
+    const bool is_straight = std::holds_alternative<dieline::LineCurve>(curve);
+    std::optional<Eigen::Vector2d> before;
+    for (const double u : is_straight ? std::vector{0.0, 1.0} : dieline::stations(curve, kStation_mm)) {
+      const Eigen::Vector2d p = dieline::pointAt(curve, u);
+      box_.extend(p);
+      if (before) lines_.push_back({*before, p - *before});
+      before = p;
     }
   }
-  [[nodiscard]] bool empty() const { return lines_.empty(); }
-  [[nodiscard]] Eigen::Vector2d size_mm() const { return box_.sizes(); }
+  [[nodiscard]] const Eigen::AlignedBox2d& box() const { return box_; }
 
-  /// From the nearest point of the drawing to one of the web, in the frame of unit 0.
-  [[nodiscard]] Eigen::Vector2d awayFrom(Eigen::Vector2d p_mm) const {
-    if (print_.pitch_mm > 0.0) {
-      const double unit = std::round((box_.center().x() - p_mm.x()) / print_.pitch_mm);
-      p_mm.x() += std::clamp(unit, 0.0, static_cast<double>(print_.units - 1)) * print_.pitch_mm;
-    }
-    Eigen::Vector2d away = Eigen::Vector2d::Constant(std::numeric_limits<double>::max());
-    double least = std::numeric_limits<double>::max();
+  /// Takes the way from the nearest point of the curve to p where it is shorter than `away`.
+  void shorten(const Eigen::Vector2d& p_mm, Eigen::Vector2d& away) const {
+    double least = away.squaredNorm();
+    if (box_.squaredExteriorDistance(p_mm) >= least) return;
     for (const Line& line : lines_) {
       const Eigen::Vector2d from_start = p_mm - line.start;
       const double length2 = line.along.squaredNorm();
       const double u = length2 > 0.0 ? std::clamp(from_start.dot(line.along) / length2, 0.0, 1.0) : 0.0;
       const Eigen::Vector2d rest = from_start - u * line.along;
-      if (rest.squaredNorm() < least) {
-        least = rest.squaredNorm();
-        away = rest;
-      }
+      if (rest.squaredNorm() >= least) continue;
+      least = rest.squaredNorm();
+      away = rest;
     }
-    return away;
   }
 
  private:
   struct Line {
     Eigen::Vector2d start, along;
   };
-  const PrintLayout& print_;
   std::vector<Line> lines_;
+  Eigen::AlignedBox2d box_;
+};
+
+class Drawing {
+ public:
+  Drawing(const dieline::Dieline& dieline, const PrintLayout& print) : print_(print) {
+    for (const dieline::Entity& entity : dieline.entities) {
+      if (entity.process == dieline::Process::kIgnore) continue;
+      curves_.emplace_back(entity.curve);
+      box_.extend(curves_.back().box());
+    }
+  }
+  [[nodiscard]] bool empty() const { return curves_.empty(); }
+  [[nodiscard]] Eigen::Vector2d size_mm() const { return box_.sizes(); }
+
+  /// A place on the web as one of unit 0.
+  [[nodiscard]] Eigen::Vector2d inUnit(Eigen::Vector2d p_mm) const {
+    if (!(print_.pitch_mm > 0.0)) return p_mm;
+    const double unit = std::round((box_.center().x() - p_mm.x()) / print_.pitch_mm);
+    p_mm.x() += std::clamp(unit, 0.0, static_cast<double>(print_.units - 1)) * print_.pitch_mm;
+    return p_mm;
+  }
+  /// From the nearest point of the drawing to one of unit 0.
+  [[nodiscard]] Eigen::Vector2d awayFrom(const Eigen::Vector2d& p_mm) const {
+    constexpr double kFar_mm = 1e6;
+    Eigen::Vector2d away = Eigen::Vector2d::Constant(kFar_mm);
+    for (const Polyline& curve : curves_) curve.shorten(p_mm, away);
+    return away;
+  }
+
+ private:
+  const PrintLayout& print_;
+  std::vector<Polyline> curves_;
   Eigen::AlignedBox2d box_;
 };
 
@@ -74,6 +107,11 @@ class Drawing {
 struct Way {
   bool swapped{};
   Eigen::Vector2d factor{Eigen::Vector2d::Ones()};
+
+  /// How far the factors are from 1, as a logarithm.
+  [[nodiscard]] double strangeness() const {
+    return std::max(kSmallestLog, factor.cwiseAbs().array().log().abs().maxCoeff());
+  }
 
   /// Steps that belong there, for steps that were made.
   [[nodiscard]] Eigen::Vector2d undone(const Eigen::Vector2d& steps) const {
@@ -98,14 +136,50 @@ class Fitter {
     return std::sqrt(sum / static_cast<double>(path_.size()));
   }
 
-  /// Size of the path, mapped back, for that of the drawing: about the factors that are missing yet.
+  /// Size of the path, mapped back, for that of the drawing: about the factors that are missing yet. 1 where
+  /// either has no size.
   [[nodiscard]] Eigen::Vector2d sizeRatio(const Way& way) const {
-    Eigen::AlignedBox2d box;
-    for (const LitInstant& instant : path_) {
-      if (const std::optional<Eigen::Vector2d> p = onSheet(instant, way)) box.extend(*p);
+    const Eigen::Vector2d ratio = size_mm(way).cwiseQuotient(drawing_.size_mm());
+    return ratio.allFinite() && ratio.minCoeff() > 0.0 ? ratio : Eigen::Vector2d::Ones().eval();
+  }
+
+  /// Whether the path, mapped back, is as wide and as high as the drawing.
+  [[nodiscard]] bool covers(const Way& way) const {
+    return (size_mm(way).array() >= kCovered * drawing_.size_mm().array()).all();
+  }
+
+  /// RMS distance that is left if the path as it is may be shifted.
+  [[nodiscard]] double distanceShifted_mm() const {
+    Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+    double rms_mm = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kRounds; ++round) {
+      Eigen::Matrix2d normal = 1e-9 * Eigen::Matrix2d::Identity();
+      Eigen::Vector2d right = Eigen::Vector2d::Zero();
+      double squares = 0.0;
+      for (const LitInstant& instant : path_) {
+        const std::optional<Eigen::Vector2d> p = onSheet(instant, Way{});
+        if (!p) return rms_mm;
+        const Eigen::Vector2d away = drawing_.awayFrom(*p + shift);
+        squares += away.squaredNorm();
+        const Eigen::Vector2d across = away.stableNormalized();
+        normal += across * across.transpose();
+        right -= away;
+      }
+      rms_mm = std::min(rms_mm, std::sqrt(squares / static_cast<double>(path_.size())));
+      shift += normal.ldlt().solve(right);
     }
-    return box.isEmpty() ? Eigen::Vector2d::Ones().eval()
-                         : box.sizes().cwiseQuotient(drawing_.size_mm()).eval();
+    return rms_mm;
+  }
+
+  /// Distance that whole steps leave: half of the longer one.
+  [[nodiscard]] double halfStep_mm() const {
+    double longest_mm = 0.0;
+    const std::optional<Eigen::Vector2d> from = place_(Eigen::Vector2d::Zero());
+    for (const int axis : {0, 1}) {
+      const std::optional<Eigen::Vector2d> to = place_(Eigen::Vector2d::Unit(axis));
+      if (from && to) longest_mm = std::max(longest_mm, (*to - *from).norm());
+    }
+    return 0.5 * longest_mm;
   }
 
   /// One step across the drawing: steps are whole, and along a straight line all are rounded alike.
@@ -121,14 +195,18 @@ class Fitter {
 
   /// Lets the factors of a way settle where the distance is least; `u` takes their expanded uncertainty.
   void refine(Way& way, Eigen::Vector2d& u) const {
+    double before = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kRounds; ++round) {
       Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
       Eigen::Vector2d right = Eigen::Vector2d::Zero();
       double squares = 0.0;
       for (const LitInstant& instant : path_) addTo(normal, right, squares, instant, way);
       const Eigen::Matrix2d inverse = normal.ldlt().solve(Eigen::Matrix2d::Identity());
-      const Eigen::Vector2d change = inverse * right;
+      const Eigen::Vector2d change = (inverse * right).cwiseMax(-kLongestChange).cwiseMin(kLongestChange);
       if (!change.allFinite()) return;
+      if (round > kPatience && squares > kStalled * before && change.cwiseAbs().maxCoeff() > kSlopeStep)
+        return;
+      before = squares;
       way.factor = way.factor.cwiseQuotient(Eigen::Vector2d::Ones() + change);
       const double variance = squares / std::max<double>(1.0, static_cast<double>(path_.size()) - 2.0);
       const Eigen::Vector2d scatter =
@@ -139,10 +217,19 @@ class Fitter {
   }
 
  private:
+  [[nodiscard]] Eigen::Vector2d size_mm(const Way& way) const {
+    Eigen::AlignedBox2d box;
+    for (const LitInstant& instant : path_) {
+      if (const std::optional<Eigen::Vector2d> p = onSheet(instant, way)) box.extend(*p);
+    }
+    return box.isEmpty() ? Eigen::Vector2d::Zero().eval() : box.sizes().eval();
+  }
+
   [[nodiscard]] std::optional<Eigen::Vector2d> onSheet(const LitInstant& instant, const Way& way) const {
     std::optional<Eigen::Vector2d> p = place_(way.undone(instant.steps));
-    if (p) p->x() -= instant.sheet_x_mm;
-    return p;
+    if (!p || !p->allFinite()) return std::nullopt;
+    p->x() -= instant.sheet_x_mm;
+    return drawing_.inUnit(*p);
   }
 
   /// One instant's share of the normal equations for a relative change of both factors. Only what lies across
@@ -176,6 +263,10 @@ struct Found {
   Way way;
   Eigen::Vector2d u{Eigen::Vector2d::Zero()};
   double rest_mm{};
+  [[nodiscard]] bool isSane() const {
+    const Eigen::Array2d size = way.factor.cwiseAbs().array();
+    return u.allFinite() && size.maxCoeff() < kLargestFactor && size.minCoeff() > 1.0 / kLargestFactor;
+  }
 };
 
 /// All ways with factors of one size, the plain one first.
@@ -189,13 +280,43 @@ std::vector<Way> turnedWays() {
   return ways;
 }
 
-/// The way that alone explains the distance, if there is one among these.
-std::optional<Found> onlyOne(std::vector<Found> ways, double before_mm, double left_mm) {
-  std::ranges::sort(ways, {}, &Found::rest_mm);
-  const double rest_mm = std::max(ways[0].rest_mm, kSmallestRest_mm);
-  if (ways[0].rest_mm > std::min(kLeft * before_mm, left_mm)) return std::nullopt;
-  if (ways.size() > 1 && ways[1].rest_mm < kAsGood * rest_mm) return std::nullopt;
-  return ways[0];
+/// The way that alone explains the distance, if there is one among these: no other does as well, or all that
+/// do have factors much farther from 1. Of two with the same factors the one without a turn is plainer.
+std::optional<Found> onlyOne(const std::vector<Found>& ways, double before_mm, double left_mm) {
+  double best_mm = std::numeric_limits<double>::infinity();
+  for (const Found& found : ways)
+    if (found.isSane()) best_mm = std::min(best_mm, std::max(kSmallestRest_mm, found.rest_mm));
+  std::vector<Found> good;
+  for (const Found& found : ways) {
+    const bool explains = found.isSane() && found.rest_mm <= std::min(kLeft * before_mm, left_mm);
+    if (explains && found.rest_mm < kAsGood * best_mm) good.push_back(found);
+  }
+  if (good.empty()) return std::nullopt;
+  const auto plainest =
+      std::ranges::min_element(good, {}, [](const Found& f) { return f.way.strangeness(); });
+  const bool is_unturned = !plainest->way.swapped && plainest->way.factor.minCoeff() > 0.0;
+  for (const Found& other : good) {
+    const bool is_far = other.way.strangeness() >= kPlainer * plainest->way.strangeness();
+    if (&other != &*plainest && !is_far && !is_unturned) return std::nullopt;
+  }
+  return *plainest;
+}
+
+/// Lets the factors of each way settle, from 1 and from the sizes of path and drawing.
+void scaleAll(std::vector<Found>& ways, const Fitter& fitter) {
+  for (Found& found : ways) {
+    Found resized{{found.way.swapped, found.way.factor.cwiseProduct(fitter.sizeRatio(found.way))},
+                  Eigen::Vector2d::Zero(),
+                  0.0};
+    for (Found* start : {&found, &resized}) {
+      const Eigen::Vector2d sense = start->way.factor;
+      fitter.refine(start->way, start->u);
+      // One that has turned an axis on the way is another of the eight.
+      const bool same_way = (sense.array() * start->way.factor.array() > 0.0).all();
+      start->rest_mm = same_way ? fitter.distance_mm(start->way) : std::numeric_limits<double>::infinity();
+    }
+    if (resized.rest_mm < found.rest_mm) found = resized;
+  }
 }
 
 std::string axisLetter(int axis) { return axis == 0 ? "X" : "Y"; }
@@ -214,25 +335,19 @@ std::optional<AxesFit> fitAxes(const std::vector<LitInstant>& path, const PlaceO
   const auto fitOf = [&](const Found& found) {
     return AxesFit{found.way.swapped, found.way.factor, found.u, before_mm, found.rest_mm};
   };
+  const auto told = [&](const std::optional<Found>& found) -> std::optional<AxesFit> {
+    if (!found || !fitter.covers(found->way)) return std::nullopt;
+    const bool is_shift =
+        fitter.distanceShifted_mm() < kAsGood * std::max(found->rest_mm, fitter.halfStep_mm());
+    return is_shift ? std::nullopt : std::optional(fitOf(*found));
+  };
   std::vector<Found> turned;
-  for (const Way& way : turnedWays()) turned.push_back({way, {}, fitter.distance_mm(way)});
-  if (const auto found = onlyOne(turned, before_mm, options.left_mm)) return fitOf(*found);
+  for (const Way& way : turnedWays())
+    turned.push_back({way, Eigen::Vector2d::Zero(), fitter.distance_mm(way)});
+  if (const auto found = onlyOne(turned, before_mm, options.left_mm)) return told(found);
   if (!options.with_scale) return std::nullopt;
-  for (Found& found : turned) {
-    Found resized{{found.way.swapped, found.way.factor.cwiseProduct(fitter.sizeRatio(found.way))}, {}, 0.0};
-    for (Found* start : {&found, &resized}) {
-      const Eigen::Vector2d sense = start->way.factor;
-      fitter.refine(start->way, start->u);
-      // One that has turned an axis on the way is another of the eight.
-      const bool same_way = (sense.array() * start->way.factor.array() > 0.0).all();
-      start->rest_mm = same_way ? fitter.distance_mm(start->way) : std::numeric_limits<double>::infinity();
-    }
-    if (resized.rest_mm < found.rest_mm) found = resized;
-  }
-  // The plain way with another scale asks for less than one that turns an axis as well.
-  if (const auto found = onlyOne({turned.front()}, before_mm, options.left_mm)) return fitOf(*found);
-  if (const auto found = onlyOne(turned, before_mm, options.left_mm)) return fitOf(*found);
-  return std::nullopt;
+  scaleAll(turned, fitter);
+  return told(onlyOne(turned, before_mm, options.left_mm));
 }
 
 std::string sentenceOf(const AxesFit& fit, const std::array<AxisNames, 2>& names) {

@@ -14,6 +14,7 @@
 #include "hil/doctor/doctor_cameras.h"
 #include "hil/scenario/camera_files.h"
 #include "hil/scenario/gpio_choice.h"
+#include "hil/source/child_connection.h"
 #include "hil/source/gpio/line_request.h"
 #include "hil/source/gpio/real_time.h"
 
@@ -69,6 +70,11 @@ void lookAtPins(const scenario::GpioChoice& choice, const ComputerState& state,
 void lookAtRelease(const scenario::FirmwareChoice& firmware, const fs::path& bin_dir,
                    std::vector<DoctorFinding>& findings) {
   const fs::path program = firmware.childIn(bin_dir);
+  if (source::isConnection(program)) {
+    findings.push_back(
+        {Grade::kNote, program.string() + " is asked when a run begins; doctor --child tries it"});
+    return;
+  }
   const bool there = fs::is_regular_file(program);
   findings.push_back(
       {there ? Grade::kGood : Grade::kMissing,

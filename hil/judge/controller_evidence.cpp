@@ -2,12 +2,14 @@
 #include "hil/judge/controller_evidence.h"
 
 #include <algorithm>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "hil/base/file_content.h"
 #include "hil/controller/pulse_counter.h"
 #include "hil/controller/status_report.h"
 #include "hil/controller/uart_listener.h"
@@ -39,18 +41,40 @@ controller::PulseCounter pulsesOf(const scenario::Case& test_case, const source:
   return {recording, test_case.machine.signals, drives};
 }
 
-/// Where a firmware that is asked by `?` says that it is, beside its pulses; nothing where it does not say,
-/// has homed (its places count from there), or moves mirrors, which have no mm.
+/// Whether a line sends Grbl home: its places count from there then.
+bool goesHome(std::string line) {
+  std::erase_if(line, [](char c) { return c == ' ' || c == '\t'; });
+  return line.starts_with("$H") || line.starts_with("$h");
+}
+
+bool goesHome(const scenario::FirmwareChoice& firmware) {
+  if (std::ranges::any_of(firmware.setup, [](const std::string& line) { return goesHome(line); }))
+    return true;
+  std::istringstream gcode(base::fileContent(firmware.gcode).value_or(""));
+  for (std::string line; std::getline(gcode, line);)
+    if (goesHome(line)) return true;
+  return false;
+}
+
+/// Where a firmware that is asked by `?` says that it is, beside its pulses. Nothing where these need not
+/// agree: it does not say so at rest, moves mirrors, which have no mm, may have woken elsewhere (none of the
+/// bench's emulators runs it), has homed, or moved before it was sent a line.
 std::optional<inspect::ControllerAccount> accountOfReport(const scenario::Case& test_case,
                                                           const source::PinRecording& recording) {
   const twin::MachineDescription& machine = test_case.machine;
   if (machine.kind != twin::MachineDescription::Kind::kGantry) return std::nullopt;
-  const bool homes = std::ranges::any_of(test_case.scenario.firmware.setup,
-                                         [](const std::string& line) { return line.starts_with("$H"); });
-  const std::optional<controller::StatusReport> report = controller::lastStatus(recording);
-  if (homes || !report) return std::nullopt;
+  const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
+  const controller::StatusWords words = controller::statusWords(recording);
+  if (firmware.emulator() == nullptr || !words.last || !words.first_ok || goesHome(firmware))
+    return std::nullopt;
+  const controller::PulseCounter pins = pulsesOf(test_case, recording);
+  const double answered_s = recording.rate.seconds(*words.first_ok);
+  for (const Signal pul : {Signal::kGantryXPul, Signal::kGantryYPul})
+    if (pins.pulse_s(pul, 1) < answered_s) return std::nullopt;
+  const bool at_rest = recording.rate.seconds(words.last->heard) >= pins.lastPulse_s();
+  if (words.last->state != "Idle" || !at_rest) return std::nullopt;
   return controller::compareWithStatus(
-      *report, pulsesOf(test_case, recording),
+      *words.last, pins,
       {{{Signal::kGantryXPul, machine.gantry_x.step}, {Signal::kGantryYPul, machine.gantry_y.step}}});
 }
 

@@ -52,7 +52,7 @@ CutSheet cutOnTwin(const scenario::Case& test_case, const std::filesystem::path&
   const auto source = openRelease(scenario.firmware, bin_dir);
   cut.machine =
       std::make_unique<ModelMachine>(test_case, cut.sampled, source->info().rate, modelOptions(test_case));
-  cut.run = cut.machine->run(*source, job.dialog.get(), lockstepFor(scenario), progress);
+  cut.run = cut.machine->run(*source, job.dialog.get(), lockstepFor(test_case), progress);
   return cut;
 }
 

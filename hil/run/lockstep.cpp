@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hil/base/one_processor.h"
+#include "hil/scenario/pul_axes.h"
 
 namespace kerfbench::run {
 namespace {
@@ -188,7 +189,21 @@ class Lockstep {
     }
   }
 
-  [[nodiscard]] bool isStarted() const { return finishing_ || isPulsed(batch_.events, map_); }
+  [[nodiscard]] bool isStarted() const { return finishing_ || isStepped(); }
+
+  /// Whether an axis of the head has an active edge, and the job can have begun.
+  [[nodiscard]] bool isStepped() const {
+    const SelfStart& job = *options_.by_itself;
+    if (job.press_s && now_ < info_.rate.ticksAt(*job.press_s)) return false;
+    return std::ranges::any_of(kHeadPuls, [&](Signal signal) {
+      const std::optional<PinId> pin = map_.pin(signal);
+      const bool rising = std::ranges::find(job.falling, signal) == job.falling.end();
+      return pin && std::ranges::any_of(batch_.events, [&](const PinEvent& event) {
+               return event.port == pin->port && (event.changed >> pin->bit & 1U) != 0 &&
+                      ((event.level >> pin->bit & 1U) != 0) == rising && event.tick > 1;
+             });
+    });
+  }
 
   /// In place of a controller that has halted.
   source::Stop rest(Tick until) {
@@ -208,9 +223,10 @@ class Lockstep {
     }
   }
 
-  /// A job that nobody has sent begins with its first pulse, and is over when the head has been quiet.
+  /// A job that nobody has sent begins with its first pulse, and is over when the head has been quiet. What
+  /// the firmware does before its button is pressed is none of it.
   void watchJob() {
-    if (!isPulsed(batch_.events, map_)) return;
+    if (!isStepped()) return;
     finishing_ = true;
     endIn(options_.by_itself->quiet_s);
     pulsed_at_limit_ = end_ == limit_;
@@ -270,11 +286,15 @@ class Lockstep {
 
 }  // namespace
 
-LockstepOptions lockstepFor(const scenario::Scenario& scenario) {
+LockstepOptions lockstepFor(const scenario::Case& test_case) {
+  const scenario::Scenario& scenario = test_case.scenario;
   LockstepOptions options;
   options.time_limit_s = scenario.time_limit_s;
-  if (scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kNone)
-    options.by_itself = SelfStart{scenario.firmware.quiet_s, scenario.firmware.start_s};
+  if (scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kNone) {
+    options.by_itself = SelfStart{scenario.firmware.quiet_s, scenario.firmware.start_s, {}};
+    for (const auto& [pul, axis] : scenario::pulAxes(test_case.machine))
+      if (!axis->profile.active_edge_rising) options.by_itself->falling.push_back(pul);
+  }
   return options;
 }
 

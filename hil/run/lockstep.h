@@ -11,7 +11,7 @@
 #include "hil/controller/controller_report.h"
 #include "hil/run/dialog.h"
 #include "hil/run/provoke.h"
-#include "hil/scenario/scenario.h"
+#include "hil/scenario/case.h"
 #include "hil/source/signal_source.h"
 #include "hil/source/vcd.h"
 
@@ -24,6 +24,7 @@ using Hearing = std::function<void(Tick until, std::span<const PinEvent> events)
 struct SelfStart {
   double quiet_s{};               ///< Time without a pulse of the head after which it is over; > 0.
   std::optional<double> press_s;  ///< Time at which the start button is pressed; empty: never.
+  std::vector<Signal> falling;    ///< PULs that step on their falling edge.
   static constexpr double kPressed_s = 0.1;  ///< Time for which it is held.
 };
 
@@ -62,7 +63,7 @@ class LockstepModel {
 using base::ProgressFn;
 
 /// Options for a release that a scenario runs in an emulator.
-LockstepOptions lockstepFor(const scenario::Scenario& scenario);
+LockstepOptions lockstepFor(const scenario::Case& test_case);
 
 /// Runs source and model quantum by quantum: the model's sensor edges of a quantum go to the source before it
 /// runs it, the source's pin events go to the model after. `dialog` may be null (a recording, or a job that

@@ -88,7 +88,9 @@ std::unique_ptr<ChildChannel> openChannel(const std::filesystem::path& child) {
   const auto colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == address.size())
     throw std::runtime_error(child.string() + ": is no address like tcp:HOST:PORT");
-  return std::make_unique<ChildConnection>(address.substr(0, colon), address.substr(colon + 1), kPatience);
+  std::string host = address.substr(0, colon);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  return std::make_unique<ChildConnection>(host, address.substr(colon + 1), kPatience);
 }
 
 }  // namespace kerfbench::source

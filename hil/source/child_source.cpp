@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hil/base/digest.h"
+#include "hil/base/text.h"
 #include "hil/source/child_connection.h"
 #include "hil/source/open.h"
 #include "hil/source/pin_stream.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::size_t kHeadBytes = 5;
 constexpr std::size_t kEventBytes = 16;
+constexpr std::size_t kLongestMessage = 1000;
 constexpr std::size_t kMaxUartBlock = 1U << 20U;
 constexpr std::chrono::milliseconds kFarewell{500};
 
@@ -83,6 +85,8 @@ class Reply {
     const auto bytes = block(take<std::uint16_t>());
     return {bytes.begin(), bytes.end()};
   }
+  /// Words for people: what a terminal or a report would trip over is taken out.
+  std::string words() { return base::printable(text(), kLongestMessage); }
   void finish() const {
     if (!rest_.empty()) throw Malformed("a reply has bytes left over");
   }
@@ -220,7 +224,7 @@ class ChildSource final : public SignalSource {
       }
       Reply reply(payload);
       if (type == KB_PS_ERROR) {
-        const auto text = reply.text();
+        const auto text = reply.words();
         (void)child_->finish(kFarewell);
         throw std::runtime_error(text);
       }
@@ -230,7 +234,7 @@ class ChildSource final : public SignalSource {
       info_.rate.num = reply.take<std::uint64_t>();
       info_.rate.den = reply.take<std::uint64_t>();
       info_.stamp_err_ticks = reply.take<std::uint32_t>();
-      info_.config_id = reply.text() + "; image sha256 " + base::sha256File(options_.image);
+      info_.config_id = reply.words() + "; image sha256 " + base::sha256File(options_.image);
       if (options_.eeprom == kBlankEeprom) info_.config_id += "; EEPROM blank";
       if (!options_.eeprom.empty() && options_.eeprom != kBlankEeprom)
         info_.config_id += "; EEPROM sha256 " + base::sha256File(options_.eeprom);
@@ -252,7 +256,7 @@ class ChildSource final : public SignalSource {
       (void)hung();
       return;
     }
-    if (type == KB_PS_ERROR) throw Malformed(Reply(payload_).text());
+    if (type == KB_PS_ERROR) throw Malformed(Reply(payload_).words());
     if (type != KB_PS_BATCH) throw Malformed("unknown reply " + std::to_string(type));
     Reply reply(payload_);
     const Stop stop = stopFrom(reply.take<std::uint8_t>());
@@ -284,7 +288,7 @@ class ChildSource final : public SignalSource {
     }
     const auto uart = reply.block(reply.take<std::uint32_t>());
     batch.uart.assign(uart.begin(), uart.end());
-    const auto text = reply.text();
+    const auto text = reply.words();
     reply.finish();
     batch.watermark = batch.uart_received = watermark_ = watermark;
     if (stop != Stop::kReached) {
@@ -296,7 +300,7 @@ class ChildSource final : public SignalSource {
   Stop hung() {
     child_->kill();
     (void)child_->finish(kFarewell);
-    return fail(Stop::kHung, "the child did not answer within its wall-clock guard and was killed");
+    return fail(Stop::kHung, "the child did not answer within its wall-clock guard, and was given up");
   }
 
   Stop fail(Stop stop, std::string message) {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-or-later */
+/* clang-format off */
 /* The pin-stream protocol between the bench and a child process that runs a firmware image: an emulator, a
  * native build, or any program that speaks this page. Plain C, no dependency, so that a child under any
  * licence can use it.
@@ -19,17 +20,24 @@
  *     UART     bytes for the controller, sent at its baud rate, flow control honoured; no reply
  *     ADVANCE  u64 until                                   run until this tick -> BATCH
  *     QUIT     the child exits with 0
- *     DESCRIBE text mcu                                    (in place of OPEN, for kerfbench-avr) the
- * controller of this name, or all where none is called so -> DESCRIPTION child -> bench HELLO    u32 version,
- * u64 tick_num, u64 tick_den (seconds per tick), u32 stamp_err_ticks, text configuration ERROR    text the
- * image cannot be run; the child exits BATCH    u8 stop, u64 watermark, u32 n, n events, u32 m, m UART bytes,
- * text message event: u64 tick, u16 port, u16 changed, u16 level, u16 flags (twin/base/pin_event.h)
- *     DESCRIPTION  text: a line for each controller, with tabs between names (with blanks between them),
- * bytes of flash, of SRAM and of EEPROM, letters of ports, digits of timers, digits of UARTs
+ *     DESCRIBE text mcu           in place of OPEN, for the bench's own emulators -> DESCRIPTION
+ *
+ *   child -> bench
+ *     HELLO    u32 version, u64 tick_num, u64 tick_den (seconds per tick), u32 stamp_err_ticks,
+ *              text configuration
+ *     ERROR    text               the image cannot be run; the child exits
+ *     BATCH    u8 stop, u64 watermark, u32 n, n events, u32 m, m UART bytes, text message
+ *              event: u64 tick, u16 port, u16 changed, u16 level, u16 flags (twin/base/pin_event.h)
+ *     DESCRIPTION
+ *              text               the controller that was named, or all where none is called so, a line each:
+ *              names with blanks between them, tab, bytes of flash, tab, of SRAM, tab, of EEPROM, tab, letters or
+ *              digits of its ports, tab, digits of its timers, tab, of its UARTs, and where it is not 8: tab, bits
+ *              of a port
  *
  * A BATCH with stop other than KB_PS_REACHED is the last one. Ticks in a batch ascend and lie in
  * (last watermark, watermark]. The level of a pin before its first event is 0.
  */
+/* clang-format on */
 #ifndef KERFBENCH_PIN_STREAM_H
 #define KERFBENCH_PIN_STREAM_H
 

@@ -170,6 +170,10 @@ TEST_F(Grbl, WithABlankEepromPassesAndItsComplaintIsTold) {
   EXPECT_THAT(result.output, HasSubstr("The firmware said \"error:7\" before it was sent anything."));
   EXPECT_THAT(verdict().at("versions").at("firmware's words").get<std::string>(), HasSubstr("error:7"));
   EXPECT_THAT(checksThat(verdict(), "PASS"), testing::Contains("account"));
+  const auto verified =
+      kerfbench(fmt::format("verify '{}/results/changed' --scenario '{}/changed.yaml' --image '{}'",
+                            scratch_.path().string(), scratch_.path().string(), image()));
+  EXPECT_EQ(verified.exit_code, 0) << verified.output;
 }
 
 TEST_F(Grbl, WithAWrongScaleFailsByThePath) {

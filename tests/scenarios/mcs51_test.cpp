@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference controller's release for an 8051 in its emulator, and five of the known mistakes in it: each
-// fails by the check by which it fails on the AVR.
+// The reference controller's release for an 8051 in its emulator, and five of the known mistakes in it: all
+// but one fail by the check by which they fail on the AVR.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,8 +42,12 @@ TEST_F(Mcs51Release, OneLabelPasses) {
   const ProgramRun one = runOneUnit("mcs51/label-on-belt");
   EXPECT_EQ(one.exit_code, 0) << one.output;
 }
-TEST_F(Mcs51Release, GateLateFailsByGateLag) {
-  expectFailure(runOneUnit("faults/gate-late-mcs51"), "gate-late", "gate_lag");
+TEST_F(Mcs51Release, DirLateFailsByPulseTiming) {
+  expectFailure(runOneUnit("faults/dir-late-mcs51"), "dir-late", "pulse_timing");
+}
+// Starts are seen too coarsely here for gate_lag, which fails on the AVR.
+TEST_F(Mcs51ReleaseLong, GateLateFailsBySpotPath) {
+  expectFailure(run("faults/gate-late-mcs51"), "gate-late", "spot_path");
 }
 TEST_F(Mcs51ReleaseLong, LabelPasses) {
   const ProgramRun whole = run("mcs51/label-on-belt");

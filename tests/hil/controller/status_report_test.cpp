@@ -14,10 +14,13 @@ source::PinRecording saying(const std::vector<std::string>& words) {
   return recording;
 }
 
+std::optional<StatusReport> lastOf(const std::vector<std::string>& words) {
+  return statusWords(saying(words)).last;
+}
+
 TEST(StatusReport, TheLastWholeOneCounts) {
-  const auto report =
-      lastStatus(saying({"ok\r\n<Run|MPos:1.000,2.000,0.000|FS:500,0>\r\nok\r\n<Idle|MP",
-                         "os:40.000,-12.345,0.000|FS:0,0|WCO:0.000,0.000,0.000>\r\n<Idle|MPos:1."}));
+  const auto report = lastOf({"ok\r\n<Run|MPos:1.000,2.000,0.000|FS:500,0>\r\nok\r\n<Idle|MP",
+                              "os:40.000,-12.345,0.000|FS:0,0|WCO:0.000,0.000,0.000>\r\n<Idle|MPos:1."});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->state, "Idle");
   EXPECT_DOUBLE_EQ(report->machine_place[0], 40.0);
@@ -26,14 +29,14 @@ TEST(StatusReport, TheLastWholeOneCounts) {
 }
 
 TEST(StatusReport, GrblBeforeOneDotOneSaysItWithCommas) {
-  const auto report = lastStatus(saying({"<Idle,MPos:5.529,0.560,7.000,WPos:1.529,-5.440,-0.000>\r\n"}));
+  const auto report = lastOf({"<Idle,MPos:5.529,0.560,7.000,WPos:1.529,-5.440,-0.000>\r\n"});
   ASSERT_TRUE(report);
   EXPECT_DOUBLE_EQ(report->machine_place[0], 5.529);
 }
 
 TEST(StatusReport, OneWithoutAMachinesPlaceIsNone) {
-  EXPECT_FALSE(lastStatus(saying({"<Idle>\r\n<Idle|WPos:1.000,2.000,0.000>\r\n"})));
-  EXPECT_FALSE(lastStatus(saying({})));
+  EXPECT_FALSE(lastOf({"<Idle>\r\n<Idle|WPos:1.000,2.000,0.000>\r\n", "<Idle|MPos:nan,inf,0>\r\n"}));
+  EXPECT_FALSE(lastOf({}));
 }
 
 /// 1000 steps of x forwards and 250 of y backwards.
@@ -55,7 +58,7 @@ PulseCounter pins() {
 }
 
 inspect::ControllerAccount accountOf(double x, double y, double resolution = 0.001) {
-  return compareWithStatus({"Idle", {x, y}, resolution}, pins(),
+  return compareWithStatus({"Idle", {x, y}, resolution, 0}, pins(),
                            {{{Signal::kGantryXPul, 0.0125}, {Signal::kGantryYPul, 0.0125}}});
 }
 
@@ -78,8 +81,36 @@ TEST(StatusReport, ThatIsAStepOrAScaleOffTellsItsOwnNumber) {
   EXPECT_EQ(accountOf(12.5, 3.125).axes[1].told, 250);
 }
 
+TEST(StatusReport, NearZeroAPlaceInMmIsNotReadAsInches) {
+  SignalMap map;
+  map.assign(Signal::kGantryXPul, {0, 0});
+  map.assign(Signal::kGantryXDir, {0, 1});
+  source::PinRecording recording = saying({});
+  Tick tick = 0;
+  for (int i = 0; i < 6; ++i) {
+    recording.outputs.push_back({tick += 100, 0, static_cast<std::uint16_t>(i == 0 ? 3 : 1), 3, 0});
+    recording.outputs.push_back({tick += 100, 0, 1, 2, 0});
+  }
+  const auto account = compareWithStatus({"Idle", {0.0, 0.0}, 0.001, 0}, PulseCounter(recording, map),
+                                         {{{Signal::kGantryXPul, 0.004}, {Signal::kGantryYPul, 0.004}}});
+  ASSERT_EQ(account.axes.size(), 1U);
+  EXPECT_EQ(account.axes[0].seen, 6);
+  EXPECT_EQ(account.axes[0].told, 0);
+}
+
+TEST(StatusReport, AnyAmountOfWordsIsRead) {
+  // A report that lost its end, and then 200 kB without another.
+  std::string words = "ok\n<Idle|MPos:1.0\n<Idle|MPos:2.000,3.000,0.000>\n<Run|MPos:4.0";
+  for (int i = 0; i < 60'000; ++i) words += "ok\r\n";
+  words += std::string(1'000'000, '<');
+  const StatusWords found = statusWords(saying({"boot\n", words}));
+  ASSERT_TRUE(found.last);
+  EXPECT_DOUBLE_EQ(found.last->machine_place[1], 3.0);
+  EXPECT_EQ(found.first_ok, Tick{2000});
+}
+
 TEST(StatusReport, AnAxisWithoutItsLinesIsLeftOut) {
-  const auto account = compareWithStatus({"Idle", {1, 2}, 0.001}, pins(),
+  const auto account = compareWithStatus({"Idle", {1, 2}, 0.001, 0}, pins(),
                                          {{{Signal::kGalvoXPul, 0.01}, {Signal::kGantryYPul, 0.0125}}});
   ASSERT_EQ(account.axes.size(), 1U);
   EXPECT_EQ(account.axes[0].name, "gantry_y");

@@ -149,6 +149,45 @@ TEST(AxesFit, OtherFaultsOfAPathAreNoFaultOfTheAxes) {
   }));
 }
 
+TEST(AxesFit, SwappedByOnePerCentIsLikelierThanAScaleThatIsFarOff) {
+  const dieline::Dieline rectangle = drawingOf({{0, 0}, {60, 0}, {60, 40}, {0, 40}});
+  const auto fit =
+      fitOf([](const Eigen::Vector2d& s) { return Eigen::Vector2d(1.01 * s.y(), 1.01 * s.x()); }, rectangle);
+  ASSERT_TRUE(fit);
+  EXPECT_TRUE(fit->swapped);
+  EXPECT_NEAR(fit->factor.x(), 1.01, 1e-3);
+}
+
+TEST(AxesFit, OneLineOfManyProvesNothingOfTheAxes) {
+  const dieline::Dieline whole = drawingOf({{0, 5}, {40, 5}, {40, 30}, {0, 30}});
+  dieline::Dieline first = whole;
+  first.entities.resize(1);
+  const PrintLayout print{.units = 1, .pitch_mm = 100};
+  const auto shifted = [](const Eigen::Vector2d& s) {
+    return Eigen::Vector2d(s.x(), s.y() + 0.5 / kStep_mm);
+  };
+  EXPECT_FALSE(fitAxes(pathAlong(first, shifted, print), slides, whole, print, {.worth_mm = 0.02}));
+  EXPECT_FALSE(fitAxes(pathAlong(first, shifted, print), slides, first, print, {.worth_mm = 0.02}));
+}
+
+TEST(AxesFit, AnotherJobIsNotFoldedOntoALineOfTheDrawing) {
+  const dieline::Dieline drawing = drawingOf({{0, 0}, {50, 0}, {50, 40}, {0, 40}});
+  const dieline::Dieline thin = drawingOf({{0.5, 4}, {2.5, 4}, {2.5, 44}, {0.5, 44}});
+  const PrintLayout print{.units = 1, .pitch_mm = 100};
+  const auto as_it_is = [](const Eigen::Vector2d& s) { return s; };
+  EXPECT_FALSE(fitAxes(pathAlong(thin, as_it_is, print, 0.0), slides, drawing, print, {.worth_mm = 0.02}));
+}
+
+TEST(AxesFit, ADrawingOrAPathWithoutWidthIsNoReasonToFail) {
+  const dieline::Dieline line = drawingOf({{10, 0}, {10, 40}});
+  const PrintLayout print{.units = 1, .pitch_mm = 100};
+  for (const double x : {1.0, -1.0, 1.3}) {
+    const auto spoil = [&](const Eigen::Vector2d& s) { return Eigen::Vector2d(x * s.x(), 1.02 * s.y()); };
+    (void)fitAxes(pathAlong(line, spoil, print), slides, line, print, {.worth_mm = 0.02});
+    EXPECT_FALSE(fitAxes(pathAlong(line, spoil, print), slides, crooked(), print, {.worth_mm = 0.02}));
+  }
+}
+
 TEST(AxesFit, ASheetThatMovesIsNotAskedForAScale) {
   const auto far = [](const Eigen::Vector2d& s) { return Eigen::Vector2d(1.01 * s.x(), s.y()); };
   const PrintLayout print{.units = 1, .pitch_mm = 100};

@@ -174,7 +174,7 @@ TEST_F(LockstepUntilQuiet, AFailedDialogEndsTheRun) {
 }
 
 TEST_F(LockstepUntilQuiet, AJobOfTheControllersOwnEndsWhenTheHeadHasBeenQuiet) {
-  options.by_itself = SelfStart{0.05, 0.012};
+  options.by_itself = SelfStart{0.05, 0.012, {}};
   pulseUntil(0.2);
   const auto result = run(nullptr);
   EXPECT_THAT(result.problems, IsEmpty());
@@ -187,7 +187,7 @@ TEST_F(LockstepUntilQuiet, AJobOfTheControllersOwnEndsWhenTheHeadHasBeenQuiet) {
 
 TEST_F(LockstepUntilQuiet, TheStartButtonIsPressedAndLetGo) {
   machine.signals.assign(Signal::kStart, {3, 4});
-  options.by_itself = SelfStart{0.15, 0.012};
+  options.by_itself = SelfStart{0.15, 0.012, {}};
   pulseUntil(0.03);
   const auto result = run(nullptr);
   std::vector<std::pair<double, bool>> pressed;
@@ -197,14 +197,33 @@ TEST_F(LockstepUntilQuiet, TheStartButtonIsPressedAndLetGo) {
   EXPECT_TRUE(std::ranges::is_sorted(source.driven));
 }
 
+TEST_F(LockstepUntilQuiet, WhatAFirmwareDoesBeforeItsButtonIsPressedIsNotTheJob) {
+  options.by_itself = SelfStart{0.05, 0.4, {}};
+  pulseUntil(0.02);  // A glitch of the start.
+  for (Tick tick = kRate.ticksAt(0.41); kRate.seconds(tick) < 0.5; tick += 32'000) {
+    source.events.push_back({tick, 0, 1, 1, 0});
+    source.events.push_back({tick + 8000, 0, 1, 0, 0});
+  }
+  const auto result = run(nullptr);
+  EXPECT_THAT(result.problems, IsEmpty());
+  EXPECT_NEAR(kRate.seconds(result.recording.end), 0.5 + 0.05, 3e-3);
+}
+
+TEST_F(LockstepUntilQuiet, ALineThatGoesToItsIdleLevelIsNoPulse) {
+  options.by_itself = SelfStart{0.05, {}, {Signal::kGalvoXPul}};
+  options.time_limit_s = 0.3;
+  source.events = {{400'000, 0, 1, 1, 0}};
+  EXPECT_THAT(run(nullptr).problems, ElementsAre(HasSubstr("the head was never pulsed")));
+}
+
 TEST_F(LockstepUntilQuiet, AJobOfItsOwnThatNeverBeginsIsAProblem) {
-  options.by_itself = SelfStart{0.05, {}};
+  options.by_itself = SelfStart{0.05, {}, {}};
   options.time_limit_s = 0.3;
   EXPECT_THAT(run(nullptr).problems, ElementsAre(HasSubstr("the head was never pulsed")));
 }
 
 TEST_F(LockstepUntilQuiet, AControllerMayHaltAfterItsOwnJobAndTheMachineGoesOn) {
-  options.by_itself = SelfStart{0.05, {}};
+  options.by_itself = SelfStart{0.05, {}, {}};
   pulseUntil(0.1);
   source.stop_at = kRate.ticksAt(0.11);
   source.stop = source::Stop::kEnded;
@@ -214,7 +233,7 @@ TEST_F(LockstepUntilQuiet, AControllerMayHaltAfterItsOwnJobAndTheMachineGoesOn) 
 }
 
 TEST_F(LockstepUntilQuiet, AHaltBeforeTheFirstPulseIsAProblem) {
-  options.by_itself = SelfStart{0.05, {}};
+  options.by_itself = SelfStart{0.05, {}, {}};
   source.stop_at = kRate.ticksAt(0.11);
   source.stop = source::Stop::kEnded;
   EXPECT_THAT(run(nullptr).problems, ElementsAre(HasSubstr("halted before the job was done")));
