@@ -17,7 +17,7 @@ constexpr double kStation_mm = 0.5;
 constexpr int kRounds = 25;
 constexpr double kSettled = 1e-7;  // Change of a factor below which a round has brought nothing.
 constexpr double kSlopeStep = 1e-4;
-constexpr double kLongestChange = 0.3;  // Of a factor in one round: far from the goal slopes mislead.
+constexpr double kLongestChange = 0.3;  // A factor changes by no more in one round: far off, slopes mislead.
 /// A cause leaves less than this share of the distance.
 constexpr double kLeft = 0.2;
 /// Another way that leaves less than so many times as much explains it as well.
@@ -29,8 +29,9 @@ constexpr double kPlainer = 3.0;
 constexpr double kSmallestLog = 1e-3;
 /// Share of the drawing's width and height that a path must have, or nothing is known of what lies beyond.
 constexpr double kCovered = 0.95;
-constexpr double kStalled = 0.9;  // A round that leaves more than this share of the distance is no progress …
-constexpr int kPatience = 4;      // … after so many.
+// A round that leaves more than this share of the distance is no progress, after so many.
+constexpr double kStalled = 0.9;
+constexpr int kPatience = 4;
 
 /// A curve of the drawing as straight lines.
 class Polyline {
@@ -335,11 +336,8 @@ std::optional<AxesFit> fitAxes(const std::vector<LitInstant>& path, const PlaceO
   const auto fitOf = [&](const Found& found) {
     return AxesFit{found.way.swapped, found.way.factor, found.u, before_mm, found.rest_mm};
   };
-  const auto told = [&](const std::optional<Found>& found) -> std::optional<AxesFit> {
-    if (!found || !fitter.covers(found->way)) return std::nullopt;
-    const bool is_shift =
-        fitter.distanceShifted_mm() < kAsGood * std::max(found->rest_mm, fitter.halfStep_mm());
-    return is_shift ? std::nullopt : std::optional(fitOf(*found));
+  const auto told = [&](const std::optional<Found>& found) {
+    return found && fitter.covers(found->way) ? std::optional(fitOf(*found)) : std::nullopt;
   };
   std::vector<Found> turned;
   for (const Way& way : turnedWays())
@@ -347,7 +345,11 @@ std::optional<AxesFit> fitAxes(const std::vector<LitInstant>& path, const PlaceO
   if (const auto found = onlyOne(turned, before_mm, options.left_mm)) return told(found);
   if (!options.with_scale) return std::nullopt;
   scaleAll(turned, fitter);
-  return told(onlyOne(turned, before_mm, options.left_mm));
+  const std::optional<Found> scaled = onlyOne(turned, before_mm, options.left_mm);
+  // A turn fits or it does not; a scale has been fitted, and a shift may fit as well.
+  const bool is_shift =
+      scaled && fitter.distanceShifted_mm() < kAsGood * std::max(scaled->rest_mm, fitter.halfStep_mm());
+  return is_shift ? std::nullopt : told(scaled);
 }
 
 std::string sentenceOf(const AxesFit& fit, const std::array<AxisNames, 2>& names) {

@@ -46,8 +46,8 @@ struct AxesFitOptions {
 /// pulses of the lit laser describe is mapped back by each of the eight ways to turn and swap two axes, with
 /// a scale for each (Besl 1992, with steps in place of coordinates), and held against the drawing. One is
 /// named if it leaves less than a fifth of the distance, no other that is as plain does as well (a drawing
-/// that looks the same backwards names none), a plain shift does not either, and the path is as large as the
-/// drawing. Of several that explain it the one with factors nearest to 1 is taken.
+/// that looks the same backwards names none), in place of a scale a plain shift does not either, and the path
+/// is as large as the drawing. Of several that explain it the one with factors nearest to 1 is taken.
 std::optional<AxesFit> fitAxes(const std::vector<LitInstant>& path, const PlaceOfSteps& place,
                                const dieline::Dieline& dieline, const PrintLayout& print,
                                const AxesFitOptions& options);

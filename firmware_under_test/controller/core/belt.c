@@ -65,7 +65,8 @@ void kb_belt_update(uint16_t boundary_time) {
   const bool standing = kb_belt.idle_periods >= KB_STANDING_PERIODS;
 #ifdef KB_DEFECT_BELT_LATE
   /* Defect: the position of 100 us ago is taken for the present one. */
-  const int32_t measured = interpolate(&edge, (uint16_t)(boundary_time - KB_CPU_HZ / 10000UL / KB_TIME_CYCLES), standing);
+  const int32_t measured =
+      interpolate(&edge, (uint16_t)(boundary_time - KB_CPU_HZ / 10000UL / KB_TIME_CYCLES), standing);
 #else
   const int32_t measured = interpolate(&edge, boundary_time, standing);
 #endif

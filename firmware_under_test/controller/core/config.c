@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "config.h"
 
-#include <string.h>
-
 #include "engine.h"
 
 static bool drivesFit(const struct kb_config* config) {
@@ -42,13 +40,6 @@ static bool fieldFits(const struct kb_config* config) {
   return true;
 }
 
-static void i32sAt(const uint8_t* bytes, int32_t* to) {
-  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
-    *to++ = (int32_t)u32At(bytes);
-    bytes += 4;
-  }
-}
-
 bool kb_config_read(const uint8_t* payload, struct kb_config* config) {
   const uint8_t* const b = payload;
   config->nominal_per_period = u32At(b);
@@ -60,9 +51,13 @@ bool kb_config_read(const uint8_t* payload, struct kb_config* config) {
   config->invert_c = b[14];
   config->wide = b[15];
   config->wide_ticks = b[16];
-  memcpy(config->most_steps, b + 17, KB_AXES);
-  memcpy(config->turn_steps, b + 22, KB_AXES);
-  i32sAt(b + 27, config->lowest);
-  i32sAt(b + 27 + 4 * KB_AXES, config->highest);
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    config->most_steps[axis] = b[17 + axis];
+    config->turn_steps[axis] = b[22 + axis];
+  }
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    config->lowest[axis] = (int32_t)u32At(b + 27 + 4 * axis);
+    config->highest[axis] = (int32_t)u32At(b + 27 + 4 * (KB_AXES + axis));
+  }
   return config->max_per_period <= INT32_MAX && delaysFit(config) && drivesFit(config) && fieldFits(config);
 }
