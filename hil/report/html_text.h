@@ -23,7 +23,8 @@ std::string base64(std::string_view bytes);
 /// "data:image/png;base64,…"
 std::string pngDataUri(const GrayImage& image);
 
-/// The verdict in one plain sentence, after the likely cause of a bad one, and why the controller stopped by itself, if it did.
+/// The verdict in one plain sentence, after the likely cause of a bad one, and why the controller stopped by
+/// itself, if it did.
 std::string verdictSentence(const RunReport& report);
 /// CSS class of a verdict: "pass", "fail", "invalid", "notproven".
 std::string_view verdictClass(inspect::Verdict verdict);
