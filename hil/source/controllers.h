@@ -27,8 +27,8 @@ struct Controller {
   [[nodiscard]] std::string nameOf(PinId pin) const;
 };
 
-/// Asks the emulator `child` (kerfbench-avr) for the controller of a name, or for all that it has where none
-/// is called so. @throws std::runtime_error if it does not say.
+/// Asks the emulator `child`, one of the bench's own, for the controller of a name, or for all that it has
+/// where none is called so. @throws std::runtime_error if it does not say.
 std::vector<Controller> emulatedControllers(const std::filesystem::path& child, const std::string& mcu);
 
 /// The names that are most like this one, which is none of them: up to three, the nearest first, by how many

@@ -18,9 +18,8 @@ inline constexpr std::string_view kBlankEeprom = "blank";
 /// A release image in a child process that speaks the pin-stream protocol (see pin_stream.h).
 struct ChildSourceOptions {
   std::filesystem::path
-      child;  ///< kerfbench-avr, kerfbench-native, or any other program that speaks the protocol.
-  std::filesystem::path
-      image;             ///< .hex or .elf for AVR; the controller's executable or shared object for native.
+      child;  ///< Emulator, native release, or any other program that speaks the protocol; or tcp:HOST:PORT.
+  std::filesystem::path image;  ///< What the child runs; a native release is itself the child.
   std::string eeprom{};  ///< File with what the EEPROM holds, or "blank"; empty: what the image says of it.
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
