@@ -19,8 +19,8 @@ namespace {
 
 constexpr avr_cycle_count_t kRunCycleLimit = 16'000;
 constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
-constexpr unsigned kBitsPerByte = 10;  // 8N1
-constexpr unsigned kWakeCycles = 4;    // What an interrupt takes longer out of sleep (data sheets of ATmega).
+constexpr std::uint64_t kMostClock_hz = 100'000'000;
+constexpr unsigned kWakeCycles = 4;  // What an interrupt takes longer out of sleep (data sheets of ATmega).
 constexpr unsigned kMaxLogLines = 50;
 
 Machine* g_machine = nullptr;  // simavr's logger has no parameter of its own
@@ -44,11 +44,9 @@ avr_cycle_count_t onHorizon(avr_t* /*avr*/, avr_cycle_count_t /*when*/, void* /*
 
 }  // namespace
 
-Machine::Machine(const emulator::OpenRequest& options) : options_(options) {
-  if (options.clock_hz == 0 || options.clock_hz > 100'000'000 || options.baud == 0 ||
-      options.baud > options.clock_hz / kBitsPerByte) {
-    throw std::runtime_error("clock or baud rate out of range");
-  }
+Machine::Machine(const emulator::OpenRequest& options)
+    : options_(options), pace_(options.clock_hz, options.baud) {
+  emulator::checkRates(options, kMostClock_hz);
   g_machine = this;
   avr_global_logger_set(onLog);
   avr_ = avr_make_mcu_by_name(options.mcu.c_str());
@@ -212,23 +210,20 @@ void Machine::setByteTime() {
                            (1 + kDataBits[size & 7U] + parity + 1 + avr_regbit_get(avr_, uart_->usbs));
 }
 
-/// A byte is under way: whether it would be heard. The last bit of 8N1 is sampled nine bits and a half after
-/// the edge that started it, so that a rate is off by too much where half a bit is lost until then.
+/// A byte is under way: whether it would be heard.
 void Machine::watchUart() {
   if (!misheard_.empty()) return;
-  constexpr double kMostOff = 0.5 / 9.5;
   const auto bits = static_cast<unsigned>(uart_->cycles_per_byte / cyclesPerBit());
   const double rate = static_cast<double>(options_.clock_hz) / static_cast<double>(cyclesPerBit());
-  const double asked = options_.baud;
   char text[160] = "";
-  if (std::abs(rate - asked) > kMostOff * asked) {
+  if (emulator::missesBytes(rate, options_.baud)) {
     std::snprintf(text, sizeof text,
                   "the firmware's UART runs at %.0f baud, with a clock of %llu Hz, and the bench at %u", rate,
                   static_cast<unsigned long long>(options_.clock_hz), options_.baud);
-  } else if (bits != kBitsPerByte) {
+  } else if (bits != emulator::kBitsPerByte) {
     std::snprintf(text, sizeof text,
                   "a byte of the firmware's UART takes %u bits, and the bench has %u (8N1)", bits,
-                  kBitsPerByte);
+                  emulator::kBitsPerByte);
   }
   misheard_ = text;
   if (!misheard_.empty()) avr_->run_cycle_count = 0;
@@ -277,7 +272,7 @@ void Machine::drive(std::uint64_t tick, std::uint16_t port, std::uint16_t bit, b
 void Machine::send(std::span<const std::uint8_t> bytes) {
   if (to_send_.empty() && next_byte_at_ < watermark_) {
     next_byte_at_ = watermark_;
-    byte_remainder_ = 0;
+    pace_.restart();
   }
   to_send_.insert(to_send_.end(), bytes.begin(), bytes.end());
 }
@@ -308,11 +303,9 @@ void Machine::feedInputs() {
   if (!to_send_.empty() && !xoff_ && next_byte_at_ <= avr_->cycle) {
     const auto byte = to_send_.front();
     to_send_.pop_front();
-    byte_remainder_ += kBitsPerByte * options_.clock_hz;
     // After an XOFF the line has been idle: no catching up.
-    const std::uint64_t period = byte_remainder_ / options_.baud;
+    const std::uint64_t period = pace_.next();
     next_byte_at_ = next_byte_at_ + period > avr_->cycle ? next_byte_at_ + period : avr_->cycle + period;
-    byte_remainder_ %= options_.baud;
     if (uart_ != nullptr && avr_regbit_get(avr_, uart_->rxen) != 0) watchUart();
     if (uart_ != nullptr) avr_raise_irq(uart_->io.irq + UART_IRQ_INPUT, byte);
   }

@@ -16,6 +16,7 @@
 #include "hil/source/avr_child/pins.h"
 #include "hil/source/avr_child/timer_shim.h"
 #include "hil/source/emulator/emulator.h"
+#include "hil/source/emulator/serial_pace.h"
 #include "hil/source/pin_stream.h"
 
 namespace kerfbench::avr_child {
@@ -96,8 +97,7 @@ class Machine : public emulator::Emulator {
   std::deque<std::uint8_t> to_send_;
   std::deque<SentByte> sent_;
   std::uint64_t next_byte_at_{};
-  std::uint64_t byte_remainder_{};  // Rest of the byte time in cycles / baud, so that the pace is right in
-                                    // the long run.
+  emulator::SerialPace pace_;
   std::uint64_t watermark_{};
   std::uint64_t horizon_{};
   bool xoff_{};

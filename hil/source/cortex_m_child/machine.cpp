@@ -23,9 +23,7 @@ const Part& partFor(const emulator::OpenRequest& asked) {
   const Part* part = partNamed(asked.mcu);
   if (part == nullptr)
     throw std::runtime_error("there is no controller '" + asked.mcu + "' among the STM32F103 emulated");
-  if (asked.clock_hz == 0 || asked.clock_hz > kMostClock_hz || asked.baud == 0 ||
-      asked.baud > asked.clock_hz / 10)
-    throw std::runtime_error("clock or baud rate out of range");
+  emulator::checkRates(asked, kMostClock_hz);
   if (!asked.eeprom.empty())
     throw std::runtime_error(
         "eeprom: an STM32F103 has no EEPROM; what firmware keeps instead is in its flash, that is in the "

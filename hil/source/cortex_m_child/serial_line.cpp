@@ -2,18 +2,12 @@
 #include "hil/source/cortex_m_child/serial_line.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 namespace kerfbench::cortex_m_child {
-namespace {
-
-constexpr std::uint64_t kBitsPerByte = 10;  // 8N1
-
-}  // namespace
 
 SerialLine::SerialLine(Present& present, const CoreTime& time, const Usarts& usarts, std::uint32_t baud)
-    : present_(present), time_(time), usarts_(usarts), baud_(baud) {}
+    : present_(present), time_(time), usarts_(usarts), baud_(baud), pace_(time.clockHz(), baud) {}
 
 Usart* SerialLine::receiver() const {
   const auto found = std::ranges::find_if(usarts_, [](const auto& usart) { return usart->receives(); });
@@ -23,7 +17,7 @@ Usart* SerialLine::receiver() const {
 void SerialLine::send(std::span<const std::uint8_t> bytes, std::uint64_t watermark_tick) {
   if (to_send_.empty() && free_at_ < watermark_tick) {
     free_at_ = watermark_tick;
-    rest_ = 0;
+    pace_.restart();
   }
   to_send_.insert(to_send_.end(), bytes.begin(), bytes.end());
 }
@@ -39,10 +33,8 @@ void SerialLine::run() {
   Usart* const usart = receiver();
   if (!in_frame_) {
     in_frame_ = true;
-    rest_ += kBitsPerByte * time_.clockHz();
     // After RTS has held it off, the line has been idle: no catching up.
-    free_at_ = std::max(free_at_, time_.tickOf(present_.cycle)) + rest_ / baud_;
-    rest_ %= baud_;
+    free_at_ = std::max(free_at_, time_.tickOf(present_.cycle)) + pace_.next();
     if (usart != nullptr) usart->beginReceiving();
     return;
   }
@@ -61,21 +53,18 @@ void SerialLine::onTransmit(const Usart& usart, std::uint8_t byte, Cycle end) {
   sent_.push_back({time_.tickOf(end), byte});
 }
 
-/// A byte is under way: whether it would be heard. The last bit of 8N1 is sampled nine bits and a half after
-/// the edge that started it, so that a rate is off by too much where half a bit is lost until then.
+/// A byte is under way: whether it would be heard.
 void SerialLine::watch(const Usart& usart) {
   if (!present_.misheard.empty()) return;
-  constexpr double kMostOff = 0.5 / 9.5;
   const double rate =
       static_cast<double>(time_.coreHz()) / static_cast<double>(std::max<Cycle>(1, usart.cyclesPerBit()));
-  const double asked = baud_;
   char text[200] = "";
-  if (std::abs(rate - asked) > kMostOff * asked) {
+  if (emulator::missesBytes(rate, baud_)) {
     std::snprintf(
         text, sizeof text,
         "the firmware's USART%u runs at %.0f baud, with a core clock of %llu Hz, and the bench at %u",
         usart.number(), rate, static_cast<unsigned long long>(time_.coreHz()), baud_);
-  } else if (usart.bitsPerFrame() != kBitsPerByte) {
+  } else if (usart.bitsPerFrame() != emulator::kBitsPerByte) {
     std::snprintf(text, sizeof text,
                   "a byte of the firmware's USART%u takes %u bits, and the bench has 10 (8N1)",
                   usart.number(), usart.bitsPerFrame());

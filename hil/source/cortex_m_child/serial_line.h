@@ -10,6 +10,7 @@
 
 #include "hil/source/cortex_m_child/core_time.h"
 #include "hil/source/cortex_m_child/usart.h"
+#include "hil/source/emulator/serial_pace.h"
 
 namespace kerfbench::cortex_m_child {
 
@@ -47,7 +48,7 @@ class SerialLine {
   std::deque<SentByte> sent_;
   bool in_frame_{};
   std::uint64_t free_at_{};  ///< Tick at which the last frame ended, or this one ends.
-  std::uint64_t rest_{};     ///< Part of a tick that frames were too short by until now, in 1/baud.
+  emulator::SerialPace pace_;
 };
 
 }  // namespace kerfbench::cortex_m_child

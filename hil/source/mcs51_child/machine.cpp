@@ -2,7 +2,6 @@
 #include "hil/source/mcs51_child/machine.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
@@ -15,7 +14,6 @@ namespace kerfbench::mcs51_child {
 namespace {
 
 constexpr std::uint64_t kMaxClock_hz = 100'000'000;
-constexpr unsigned kBitsPerByte = 10;  // 8N1
 
 /// The code memory; bytes that the image does not set are 0xFF, as after an erase.
 std::vector<std::uint8_t> readCode(const std::string& path, const Part& part) {
@@ -37,11 +35,9 @@ std::vector<std::uint8_t> readCode(const std::string& path, const Part& part) {
 
 }  // namespace
 
-Machine::Machine(const emulator::OpenRequest& asked) : asked_(asked), part_(partCalled(asked.mcu)) {
-  if (asked.clock_hz == 0 || asked.clock_hz > kMaxClock_hz || asked.baud == 0 ||
-      asked.baud > asked.clock_hz / kBitsPerByte) {
-    throw std::runtime_error("clock or baud rate out of range");
-  }
+Machine::Machine(const emulator::OpenRequest& asked)
+    : asked_(asked), part_(partCalled(asked.mcu)), pace_(asked.clock_hz, asked.baud) {
+  emulator::checkRates(asked, kMaxClock_hz);
   if (!asked.eeprom.empty()) throw std::runtime_error("the " + asked.mcu + " has no EEPROM to fill");
   chip_ = std::make_unique<Chip>(part_, readCode(asked.image_path, part_),
                                  static_cast<std::size_t>(asked.max_events));
@@ -66,7 +62,7 @@ void Machine::drive(std::uint64_t tick, std::uint16_t port, std::uint16_t bit, b
     throw std::runtime_error("the controller has no pin P" + std::to_string(port) + "." +
                              std::to_string(bit));
   }
-  if (!inputs_.empty() && tick < inputs_.back().tick) throw std::runtime_error("inputs are out of order");
+  if (!inputs_.empty() && tick < inputs_.back().tick) throw std::runtime_error("DRIVE goes back in time");
   inputs_.push_back({tick, port, bit, level});
 }
 
@@ -79,9 +75,7 @@ void Machine::send(std::span<const std::uint8_t> bytes) {
     // The receiver takes a byte in the middle of its stop bit.
     frame.done = frame.begins + 19 * asked_.clock_hz / (2 * std::uint64_t{asked_.baud});
     chip_->hear(frame);
-    line_rest_ += kBitsPerByte * asked_.clock_hz;
-    line_free_at_ += line_rest_ / asked_.baud;
-    line_rest_ %= asked_.baud;
+    line_free_at_ += pace_.next();
   }
 }
 
@@ -93,13 +87,9 @@ void Machine::feedInputs() {
   }
 }
 
-/// The last bit of 8N1 is sampled nine bits and a half after the edge that started it, so that a rate is off
-/// by too much where half a bit is lost until then.
 void Machine::watchRate(double ticks_per_bit) {
-  constexpr double kMostOff = 0.5 / 9.5;
   const double rate = static_cast<double>(asked_.clock_hz) / ticks_per_bit;
-  const double asked = asked_.baud;
-  if (!misheard_.empty() || std::abs(rate - asked) <= kMostOff * asked) return;
+  if (!misheard_.empty() || !emulator::missesBytes(rate, asked_.baud)) return;
   char text[160];
   std::snprintf(text, sizeof text,
                 "the firmware's UART runs at %.0f baud, with a clock of %llu Hz, and the bench at %u", rate,

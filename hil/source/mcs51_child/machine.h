@@ -7,6 +7,7 @@
 #include <string>
 
 #include "hil/source/emulator/emulator.h"
+#include "hil/source/emulator/serial_pace.h"
 #include "hil/source/mcs51_child/chip.h"
 #include "hil/source/mcs51_child/part.h"
 
@@ -48,8 +49,7 @@ class Machine : public emulator::Emulator {
   std::deque<Input> inputs_;
   std::deque<Frame> sent_;
   Tick line_free_at_{};  // When the last byte for the controller is through.
-  std::uint64_t
-      line_rest_{};  // Rest of its time in clocks / baud, so that the pace is right in the long run.
+  emulator::SerialPace pace_;
   std::uint64_t begun_{};
   std::uint64_t heard_{};
   Tick watermark_{};
