@@ -1,39 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The reference controller's release for an 8051 in its emulator, and four of the known mistakes in it.
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <string>
-
-#include "tests/scenarios/scenario_runs.h"
+#include "tests/scenarios/other_processor.h"
 
 namespace kerfbench::test {
 namespace {
 
-using testing::Contains;
-
-class Mcs51Release : public testing::Test {
+class Mcs51Release : public OtherProcessor {
  protected:
-  void SetUp() override {
-    if (!std::filesystem::exists(std::filesystem::path(KERFBENCH_BINARY_DIR) /
-                                 "firmware/controller-mcs51.hex"))
-      GTEST_SKIP() << "the release was not built: sdcc is missing";
-  }
-  ProgramRun run(const std::string& scenario) const {
-    return fastRunOf(fixture("scenarios/" + scenario + ".yaml"), scratch_);
-  }
-  ProgramRun runOneUnit(const std::string& scenario) const {
-    return fastRunOf(scenarioWith(scenario + ".yaml", "print: {units: 1}\n", scratch_), scratch_);
-  }
-  void expectFailure(const ProgramRun& run, const std::string& name, const std::string& check) const {
-    EXPECT_EQ(run.exit_code, 1) << run.output;
-    EXPECT_THAT(checksThat(verdictOf(scratch_.path() / ("fault-" + name + "-mcs51")), "FAIL"),
-                Contains(check))
-        << run.output;
-  }
-  ScratchFolder scratch_;
+  Mcs51Release() : OtherProcessor("mcs51", "kerfbench-mcs51") {}
 };
 using Mcs51ReleaseLong = Mcs51Release;
 

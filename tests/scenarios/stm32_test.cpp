@@ -2,8 +2,6 @@
 // The reference controller's release for an STM32F103 in its emulator, and five of the known mistakes in it:
 // each fails by the check by which it fails on the AVR.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
@@ -12,12 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/scenarios/scenario_runs.h"
+#include "tests/scenarios/other_processor.h"
 
 namespace kerfbench::test {
 namespace {
-
-using testing::Contains;
 
 /// Rising edges of a recording's signals in seconds, after the first of PUL of the X mirror.
 std::map<std::string, std::vector<double>> risesOf(const std::filesystem::path& vcd) {
@@ -40,30 +36,9 @@ std::map<std::string, std::vector<double>> risesOf(const std::filesystem::path& 
   return rises;
 }
 
-class Stm32Release : public testing::Test {
+class Stm32Release : public OtherProcessor {
  protected:
-  void SetUp() override {
-    const std::filesystem::path build(KERFBENCH_BINARY_DIR);
-    if (!std::filesystem::exists(build / "bin/kerfbench-cortex-m"))
-      GTEST_SKIP() << "kerfbench-cortex-m was not built: libunicorn-dev is missing";
-    if (!std::filesystem::exists(build / "firmware/controller-stm32.hex"))
-      GTEST_SKIP() << "the release was not built: arm-none-eabi-gcc is missing";
-  }
-  ProgramRun run(const std::string& scenario) const {
-    return kerfbench(fmt::format("run '{}' --no-pictures --results-dir '{}' --timing",
-                                 fixture("scenarios/" + scenario + ".yaml").string(),
-                                 scratch_.path().string()));
-  }
-  ProgramRun runOneUnit(const std::string& scenario) const {
-    return fastRunOf(scenarioWith(scenario + ".yaml", "print: {units: 1}\n", scratch_), scratch_);
-  }
-  void expectFailure(const ProgramRun& run, const std::string& name, const std::string& check) const {
-    EXPECT_EQ(run.exit_code, 1) << run.output;
-    EXPECT_THAT(checksThat(verdictOf(scratch_.path() / ("fault-" + name + "-stm32")), "FAIL"),
-                Contains(check))
-        << run.output;
-  }
-  ScratchFolder scratch_;
+  Stm32Release() : OtherProcessor("stm32", "kerfbench-cortex-m") {}
 };
 using Stm32ReleaseLong = Stm32Release;
 
