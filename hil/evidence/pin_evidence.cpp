@@ -50,6 +50,22 @@ class SpanWatch {
   bool open_{false};
 };
 
+/// Dark for no longer than this, a gate without a PWM line is chopped, and open all the while: Grbl's spindle
+/// PWM, on which the laser hangs, has 976 Hz by default, and lasers take no slower one.
+constexpr double kChopped_s = 1.1e-3;
+
+std::vector<inspect::GateInterval> gateIntervals(const std::vector<inspect::Span>& spans, bool is_chopped) {
+  std::vector<inspect::GateInterval> gates;
+  for (const inspect::Span& span : spans) {
+    if (is_chopped && !gates.empty() && span.from_s - gates.back().off_s <= kChopped_s) {
+      gates.back().off_s = span.to_s;
+    } else {
+      gates.push_back({span.from_s, span.to_s});
+    }
+  }
+  return gates;
+}
+
 std::optional<std::vector<inspect::Span>> guardOpen(const source::PinRecording& recording) {
   SpanWatch open;
   bool was_closed = false;
@@ -107,7 +123,7 @@ PinEvidence pinEvidence(const source::PinRecording& recording, const PinWiring& 
   PinEvidence result;
   for (const WatchedDrive& drive : drives) result.pulses.push_back(drive.timer.timing());
   const double end_s = recording.rate.seconds(recording.end);
-  for (const inspect::Span& span : gates.until(end_s)) result.gates.push_back({span.from_s, span.to_s});
+  result.gates = gateIntervals(gates.until(end_s), !pwm);
   result.light = light.until(end_s);
   result.guard_open = guardOpen(recording);
   result.belt = beltEdges(recording, wiring.encoder_count_mm);

@@ -30,8 +30,10 @@ struct PinWiring {
 
 /// What the pins say by themselves. Times in s from tick 0 of the recording.
 struct PinEvidence {
-  std::vector<PulseTiming> pulses;           ///< One for each wired drive.
-  std::vector<inspect::GateInterval> gates;  ///< Sorted by time; a gate that is open at the end closes there.
+  std::vector<PulseTiming> pulses;  ///< One for each wired drive.
+  /// Sorted by time; a gate that is open at the end closes there. Without a PWM
+  /// line the gate may be chopped by its own: pulses no more than 1.1 ms apart are one opening.
+  std::vector<inspect::GateInterval> gates;
   /// Spans in which the laser emits: gate and PWM are high; the gate alone where no PWM is wired. By time.
   std::vector<inspect::Span> light;
   /// Spans in which the interlock is open, after it was closed for the first time; by time. Absent: the

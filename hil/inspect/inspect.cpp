@@ -84,7 +84,7 @@ struct Measured {
 Measured measured(const Evidence& evidence, const Tolerances& limits, const checks::EdgeSides* edges,
                   double half_light_mm, InspectionResult& result) {
   Measured m{evidence, limits, edges, half_light_mm};
-  m.lit = followDieline(evidence.spot, *evidence.dieline);
+  m.lit = followDieline(evidence.spot, *evidence.dieline, evidence.gates);
   m.half_kerf_mm = edges != nullptr ? checks::halfKerf(evidence.kerf, *edges) : 0.0;
   LitFrames motion = m.lit;
   if (edges != nullptr) {

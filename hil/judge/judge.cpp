@@ -98,8 +98,8 @@ class Look {
 
  private:
   void atRealSpot(const source::PinRecording& recording, const vision::CameraCalibration& calibration) {
-    RealSpot real = lookAtRealSpot(test_case_, cameras_.spot_frames, calibration, recording, evidence_.gates,
-                                   cameras_.threads);
+    RealSpot real =
+        lookAtRealSpot(test_case_, cameras_.spot_frames, calibration, recording, evidence_, cameras_.threads);
     evidence_.spot = std::move(real.track);
     evidence_.clock_bound_s = real.clock_bound_s;
     append(real.problems, evidence_);

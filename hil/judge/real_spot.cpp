@@ -96,6 +96,18 @@ camera::CameraClockOptions clockOptions(const scenario::SpotCameraChoice& choice
   return options;
 }
 
+/// When the laser may shine. Without a PWM line a gate may be chopped by its own, and each of its pulses is
+/// one.
+std::vector<camera::LightInterval> lightIntervals(const inspect::Evidence& laser, const SignalMap& map) {
+  std::vector<camera::LightInterval> lights;
+  if (map.pin(Signal::kLaserPwm)) {
+    for (const inspect::GateInterval& gate : laser.gates) lights.push_back({gate.on_s, gate.off_s});
+  } else {
+    for (const inspect::Span& pulse : laser.light) lights.push_back({pulse.from_s, pulse.to_s});
+  }
+  return lights;
+}
+
 /// Incidents that touch a cut.
 void tellIncidents(const camera::CaptureReport& report, const camera::CameraClock& clock, double period_s,
                    const std::vector<inspect::GateInterval>& gates, std::vector<std::string>& problems) {
@@ -156,7 +168,8 @@ camera::LightProfile profileOf(const source::PinRecording& pins, const SignalMap
 
 RealSpot lookAtRealSpot(const scenario::Case& test_case, const std::filesystem::path& folder,
                         const vision::CameraCalibration& calibration, const source::PinRecording& pins,
-                        const std::vector<inspect::GateInterval>& gates, int jobs) {
+                        const inspect::Evidence& laser, int jobs) {
+  const std::vector<inspect::GateInterval>& gates = laser.gates;
   const scenario::Scenario& scenario = test_case.scenario;
   const scenario::SpotCameraChoice& choice = scenario.cameras.spot;
   RealSpot spot;
@@ -186,10 +199,9 @@ RealSpot lookAtRealSpot(const scenario::Case& test_case, const std::filesystem::
     return spot;
   }
   const camera::LightProfile profile = profileOf(pins, test_case.machine.signals);
-  std::vector<camera::LightInterval> lights;
-  for (const inspect::GateInterval& gate : gates) lights.push_back({gate.on_s, gate.off_s});
-  const camera::CameraClockFit fit = camera::fitLightClock(survey.lights, lights, &profile, survey.period_s,
-                                                           clockOptions(choice, test_case.machine.signals));
+  const camera::CameraClockFit fit =
+      camera::fitLightClock(survey.lights, lightIntervals(laser, test_case.machine.signals), &profile,
+                            survey.period_s, clockOptions(choice, test_case.machine.signals));
   if (!fit.clock) {
     spot.problems.push_back("the spot camera's clock cannot be related to that of the pins: " + fit.why_not);
     for (const camera::CaptureIncident& incident : survey.report.first_incidents) {

@@ -28,10 +28,10 @@ struct RealSpot {
 
 /// Relates the camera's clock to the pins' by the laser's gate and PWM (fitLightClock()) and tracks spot and
 /// sheet while the laser works. Frames that are not to be believed are left out; those around cuts are told.
-/// The result depends on nothing but what is given. @throws ConfigError for a recording that is none, or
-/// unfinished.
+/// The result depends on nothing but what is given. `laser`: its gates and light alone. @throws ConfigError
+/// for a recording that is none, or unfinished.
 RealSpot lookAtRealSpot(const scenario::Case& test_case, const std::filesystem::path& folder,
                         const vision::CameraCalibration& calibration, const source::PinRecording& pins,
-                        const std::vector<inspect::GateInterval>& gates, int jobs);
+                        const inspect::Evidence& laser, int jobs);
 
 }  // namespace kerfbench::judge

@@ -135,12 +135,14 @@ TEST(RealCamera, IsRelatedToThePinsByTheLaserWithinTheBoundThatItTells) {
   const ScratchFolder scratch;
   const std::vector<double> begins_s = goodCut().begins_s();
   const auto calibration = scenario::readCalibrations(goodCut().theCase()).spot;
+  inspect::Evidence laser;
+  laser.gates = goodCut().gates();
   for (const double drift : {0.0, 100e-6}) {
     const auto folder = scratch.path() / fmt::format("drift-{}", drift);
     const auto camera = goodCut().camera(drift);
     (void)goodCut().record(*camera, folder);
     const judge::RealSpot spot = judge::lookAtRealSpot(goodCut().theCase(), folder, calibration.value(),
-                                                       goodCut().run().recording, goodCut().gates(), 2);
+                                                       goodCut().run().recording, laser, 2);
     ASSERT_GT(spot.track.frames.size(), 300U);
     EXPECT_LT(spot.clock_bound_s, 1e-3);
     double worst_s = 0.0;

@@ -14,6 +14,7 @@
 
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/checks/set_off.h"
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/checks/start_place.h"
 #include "hil/inspect/evidence/extreme.h"
@@ -22,19 +23,14 @@
 namespace kerfbench::inspect::checks {
 namespace {
 
-/// Stretch of the way from the start of a line in which the beam is taken to speed up evenly; the longer one
-/// is tried first.
-constexpr double kNearest_mm = 0.04;
+/// Stretch of the way from the start of a line in which the beam's motion is looked at; the longer one is
+/// tried first.
 constexpr std::array kFarthest_mm{2.0, 1.0};
 constexpr std::size_t kMinLagFrames = 4;
 /// Steps and servo make the motion this rough, whatever the camera sees; standard deviation.
 constexpr double kRoughness_mm = 0.005;
-/// Above this the motion was neither of the two: a jerk-limited start, or a cut that goes on from another.
+/// Above this the motion was none of these: a jerk-limited start, or a cut that goes on from another.
 constexpr double kMaxChiSquare = 9.0;
-
-/// Drop of chi square that justifies the extra parameter of a start at speed; by chance one start in forty
-/// has it.
-constexpr double kClearlyBetter = 6.0;
 
 /// A line shorter than this may have no frame that is its own.
 constexpr double kShortest_mm = 1.0;
@@ -119,62 +115,6 @@ bool beginsElsewhere(const Evidence& evidence, const LitFrames& lit, const GateI
   });
 }
 
-/// How the beam sets off: from rest, speeding up evenly, s = a (t - t0)² / 2, or at once with its full speed,
-/// s = v (t - t0), as a firmware without ramps moves mirrors. Either way s^(1/power) is a straight line in
-/// time that meets zero at t0.
-struct Place {
-  double t_s{};     ///< Since the gate opened.
-  double way_mm{};  ///< From the nominal start of the line; < 0 before it.
-  double sigma_mm{};
-};
-
-struct Fit {
-  double t0_s{};
-  double sigma_s{};
-  double chi_square{std::numeric_limits<double>::infinity()};
-  double gate_way_mm{};  ///< From where the beam rested to where it was when the gate opened.
-};
-
-/// Weighted least squares over the places beyond kNearest_mm from where the beam rested; those before must
-/// fit in as well. `rest_mm`: that place, from the nominal start of the line.
-Fit fitMotion(const std::vector<Place>& places, double power, double rest_mm) {
-  double sw = 0, st = 0, sy = 0, stt = 0, sty = 0;
-  const auto wayOf = [&](const Place& p) { return p.way_mm - rest_mm; };
-  const auto weightOf = [&](const Place& p) {
-    const double slope = power * std::pow(wayOf(p), 1.0 - 1.0 / power) / p.sigma_mm;
-    return slope * slope;
-  };
-  for (const Place& p : places) {
-    if (wayOf(p) < kNearest_mm) continue;
-    const double weight = weightOf(p);
-    const double y = std::pow(wayOf(p), 1.0 / power);
-    sw += weight;
-    st += weight * p.t_s;
-    sy += weight * y;
-    stt += weight * p.t_s * p.t_s;
-    sty += weight * p.t_s * y;
-  }
-  const double determinant = sw * stt - st * st;
-  const double slope = (sw * sty - st * sy) / determinant;
-  const double offset = (stt * sy - st * sty) / determinant;
-  if (!(slope > 0)) return {};
-  Fit fit{-offset / slope, 0.0, 0.0, std::pow(std::max(offset, 0.0), power)};
-  for (const Place& p : places) {
-    const double expected = std::max(offset + slope * p.t_s, 0.0);
-    if (wayOf(p) < kNearest_mm) {
-      const double off = (wayOf(p) - std::pow(expected, power)) / p.sigma_mm;
-      fit.chi_square += off * off;
-    } else {
-      const double off = std::pow(wayOf(p), 1.0 / power) - offset - slope * p.t_s;
-      fit.chi_square += weightOf(p) * off * off;
-    }
-  }
-  const double variance =
-      (stt + sw * fit.t0_s * fit.t0_s - 2.0 * st * fit.t0_s) / determinant / (slope * slope);
-  fit.sigma_s = std::sqrt(std::max(variance, 0.0));
-  return fit;
-}
-
 /// Chi square of a beam that comes out of a jump without a stop: it meets the start of the line at a speed of
 /// its own, which then changes, s = v (t - t0) + a (t - t0)² / 2. Rest and full speed are limits of it, late
 /// or not.
@@ -195,17 +135,17 @@ double chiSquareThrough(const std::vector<Place>& places, double rest_mm) {
 /// A start with where the beam rested before it.
 struct Rested {
   StartPlace rest;
-  Fit fit;
+  SetOffFit fit;
 };
 
 /// The start, with the place of rest that agrees best with what is known of it, and with where the kerf
 /// begins: there the beam was when the gate opened, or there it rested if it had not yet set off.
-Rested restedFit(const std::vector<Place>& places, double power, const StartPlace& known,
+Rested restedFit(const std::vector<Place>& places, const SetOff& law, const StartPlace& known,
                  const std::optional<StartPlace>& kerf) {
-  if (!kerf) return {known, fitMotion(places, power, known.mm)};
+  if (!kerf) return {known, fitSetOff(places, law, known.mm)};
   constexpr int kSteps = 200;
   constexpr double kSigmas = 3.0;
-  const auto kerfAt = [&](double rest_mm) { return rest_mm + fitMotion(places, power, rest_mm).gate_way_mm; };
+  const auto kerfAt = [&](double rest_mm) { return rest_mm + fitSetOff(places, law, rest_mm).gate_way_mm; };
   // The farther inside the beam rested, the farther inside the kerf begins, but by no more than that.
   const double low_mm = std::min(known.mm, kerf->mm) - kSigmas * (known.sigma_mm + kerf->sigma_mm);
   const double high_mm = std::max(known.mm, kerf->mm) + kSigmas * (known.sigma_mm + kerf->sigma_mm);
@@ -227,13 +167,13 @@ Rested restedFit(const std::vector<Place>& places, double power, const StartPlac
   const double slope = std::clamp(
       std::min(kerfAt(rest.mm + step_mm) - here_mm, here_mm - kerfAt(rest.mm - step_mm)) / step_mm, 0.0, 1.0);
   rest.sigma_mm = 1.0 / std::hypot(1.0 / known.sigma_mm, slope / kerf->sigma_mm);
-  return {rest, fitMotion(places, power, rest.mm)};
+  return {rest, fitSetOff(places, law, rest.mm)};
 }
 
 /// Standard uncertainty of the instant by where the beam rested.
-double restSigma_s(const std::vector<Place>& places, double power, const StartPlace& rest) {
-  const double later_s = fitMotion(places, power, rest.mm + rest.sigma_mm).t0_s;
-  const double sooner_s = fitMotion(places, power, rest.mm - rest.sigma_mm).t0_s;
+double restSigma_s(const std::vector<Place>& places, const SetOff& law, const StartPlace& rest) {
+  const double later_s = fitSetOff(places, law, rest.mm + rest.sigma_mm).t0_s;
+  const double sooner_s = fitSetOff(places, law, rest.mm - rest.sigma_mm).t0_s;
   return 0.5 * std::abs(later_s - sooner_s);
 }
 
@@ -279,36 +219,59 @@ std::optional<SeenStart> seenWithin(double stretch_mm, const Evidence& evidence,
   return seen;
 }
 
-std::optional<Start> startWithin(double stretch_mm, const Evidence& evidence, const LitFrames& lit,
-                                 const RestEvidence& rest, const GateInterval& gate) {
+/// The law that explains the places, and its fit; none if several do that do not agree, or none does.
+/// `limit_s`: of the lag.
+std::optional<std::pair<SetOff, Rested>> setOffOf(const SeenStart& seen, double limit_s) {
+  const std::vector<Place>& places = seen.places;
+  const auto fitted = [&](const SetOff& law) { return restedFit(places, law, seen.known, seen.kerf); };
+  const Rested even = fitted(SetOff::byPower(2.0));
+  const Rested at_once = fitted(SetOff::byPower(1.0));
+  const bool dashes = at_once.fit.chi_square < even.fit.chi_square;
+  std::pair best{SetOff::byPower(dashes ? 1.0 : 2.0), dashes ? at_once : even};
+  const double rest_mm = best.second.rest.mm;
+  const auto moving = static_cast<std::size_t>(
+      std::ranges::count_if(places, [&](const Place& p) { return p.way_mm - rest_mm >= kNearest_mm; }));
+  if (moving < kMinLagFrames) return std::nullopt;
+  const double worst_chi_square = kMaxChiSquare * static_cast<double>(moving - 2);
+  const RampFit ramp = fitRamp(places, rest_mm);
+  const double through_chi_square = chiSquareThrough(places, rest_mm);
+  if (ramp.fit.chi_square + kClearlyBetter < best.second.fit.chi_square) {
+    // A beam that comes at a speed of its own has as many parameters, and a ramp is chosen among many.
+    if (ramp.fit.chi_square > worst_chi_square ||
+        through_chi_square < ramp.fit.chi_square + 2.0 * kClearlyBetter)
+      return std::nullopt;
+    best = {SetOff::rampOver(ramp.ramp_mm), {best.second.rest, ramp.fit}};
+  } else if ((even.fit.chi_square <= worst_chi_square) == (at_once.fit.chi_square <= worst_chi_square)) {
+    // Where both fit, too little was seen to say how the beam set off, and they disagree on when.
+    return std::nullopt;
+  } else if (dashes && at_once.fit.t0_s > limit_s && rampExplains(places, rest_mm, at_once.fit)) {
+    // Nothing is seen of a beam that is dark at rest, before it is fast.
+    return std::nullopt;
+  }
+  const double chi_square = best.second.fit.chi_square;
+  // How fast it came is not known well enough to say when; the kerf's own ends tell of a late gate there.
+  if (through_chi_square + kClearlyBetter < chi_square) return std::nullopt;
+  // A start with limited jerk, s ~ t³, passes for an even one where few frames saw it, with a wrong t0.
+  if (fitSetOff(places, SetOff::byPower(3.0), rest_mm).chi_square < chi_square) return std::nullopt;
+  return best;
+}
+
+std::optional<Start> startWithin(double stretch_mm, double limit_s, const Evidence& evidence,
+                                 const LitFrames& lit, const RestEvidence& rest, const GateInterval& gate) {
   const auto seen = seenWithin(stretch_mm, evidence, lit, rest, gate);
   if (!seen) return std::nullopt;
-  const std::vector<Place>& places = seen->places;
-  const Rested ramp = restedFit(places, 2.0, seen->known, seen->kerf);
-  const Rested dash = restedFit(places, 1.0, seen->known, seen->kerf);
-  const bool dashes = dash.fit.chi_square < ramp.fit.chi_square;
-  const Rested& better = dashes ? dash : ramp;
-  const double rest_mm = better.rest.mm;
-  const auto fitted = static_cast<std::size_t>(
-      std::ranges::count_if(places, [&](const Place& p) { return p.way_mm - rest_mm >= kNearest_mm; }));
-  if (fitted < kMinLagFrames) return std::nullopt;
-  // How fast it came is not known well enough to say when; the kerf's own ends tell of a late gate there.
-  if (chiSquareThrough(places, rest_mm) + kClearlyBetter < better.fit.chi_square) return std::nullopt;
-  // A start with limited jerk, s ~ t³, passes for an even one where few frames saw it, with a wrong t0.
-  if (fitMotion(places, 3.0, rest_mm).chi_square < better.fit.chi_square) return std::nullopt;
-  const double worst_chi_square = kMaxChiSquare * static_cast<double>(fitted - 2);
-  // Where both fit, too little was seen to say how the beam set off, and they disagree on when.
-  if ((ramp.fit.chi_square <= worst_chi_square) == (dash.fit.chi_square <= worst_chi_square))
-    return std::nullopt;
-  if (std::abs(better.fit.t0_s) > kFarthestLag_s) return std::nullopt;
-  return Start{-better.fit.t0_s,  better.fit.sigma_s,  restSigma_s(places, dashes ? 1.0 : 2.0, better.rest),
+  const auto set_off = setOffOf(*seen, limit_s);
+  if (!set_off) return std::nullopt;
+  const auto& [law, rested] = *set_off;
+  if (std::abs(rested.fit.t0_s) > kFarthestLag_s) return std::nullopt;
+  return Start{-rested.fit.t0_s,  rested.fit.sigma_s,  restSigma_s(seen->places, law, rested.rest),
                seen->first->unit, seen->first->entity, gate.on_s};
 }
 
-std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, const RestEvidence& rest,
-                             const GateInterval& gate) {
+std::optional<Start> startOf(double limit_s, const Evidence& evidence, const LitFrames& lit,
+                             const RestEvidence& rest, const GateInterval& gate) {
   for (const double stretch_mm : kFarthest_mm) {
-    if (const auto start = startWithin(stretch_mm, evidence, lit, rest, gate)) return start;
+    if (const auto start = startWithin(stretch_mm, limit_s, evidence, lit, rest, gate)) return start;
   }
   return std::nullopt;
 }
@@ -322,7 +285,7 @@ Finding gateLagCheck(const Evidence& evidence, const Tolerances& limits, const L
   const RestEvidence rest{std::move(joints), std::move(displacements)};
   std::vector<Start> starts;
   for (const GateInterval& gate : evidence.gates) {
-    const auto start = startOf(evidence, lit, rest, gate);
+    const auto start = startOf(limits.gate_lag_s, evidence, lit, rest, gate);
     if (!start) continue;
     // A start that few frames saw is known too loosely to prove anything, unless it is far off.
     const bool usable =

@@ -236,9 +236,17 @@ std::optional<PlacedSpot> placeOnUnit(const vision::FrameMeasurement& frame, std
   return best;
 }
 
+/// Whether the gate stays open from one time to another.
+bool isOpenBetween(const std::vector<GateInterval>& by_time, double from_s, double to_s) {
+  const auto after = std::ranges::upper_bound(by_time, from_s, {}, &GateInterval::on_s);
+  return after != by_time.begin() && to_s <= (after - 1)->off_s;
+}
+
 }  // namespace
 
-LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& dieline) {
+LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& dieline,
+                        std::vector<GateInterval> gates) {
+  std::ranges::sort(gates, {}, &GateInterval::on_s);
   LitFrames result;
   std::map<int, PoseTrack> poses;
   std::vector<double> periods;
@@ -249,6 +257,7 @@ LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& 
   }
   result.period_s = medianOf(std::move(periods));
 
+  const double dark_s = std::max(kDark_s, kDarkFrames * result.period_s);
   const Eigen::AlignedBox2d box = dieline.bounds();
   std::vector<double> angles_rad;
   for (std::size_t i = 0; i < track.frames.size(); ++i) {
@@ -260,9 +269,13 @@ LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& 
       ++result.unplaced;
       continue;
     }
-    const bool continues = !result.frames.empty() && result.frames.back().unit == placed->frame.unit &&
-                           track.frames[result.frames.back().frame].sequence + 1 == frame.sequence;
-    if (!continues) result.runs.push_back({result.frames.size(), result.frames.size()});
+    const auto continues = [&](const LitFrame& last) {
+      if (last.unit != placed->frame.unit) return false;
+      if (track.frames[last.frame].sequence + 1 == frame.sequence) return true;
+      return frame.mid_s - last.time_s <= dark_s && isOpenBetween(gates, last.time_s, frame.mid_s);
+    };
+    if (result.frames.empty() || !continues(result.frames.back()))
+      result.runs.push_back({result.frames.size(), result.frames.size()});
     result.frames.push_back(placed->frame);
     angles_rad.push_back(placed->angle_rad);
     result.runs.back().end = result.frames.size();

@@ -28,7 +28,8 @@ struct LitFrame {
   bool ambiguous{};       ///< Another entity that runs another way is within reach: a corner or a crossing.
 };
 
-/// A run of consecutive frames with the spot alight on one unit.
+/// A run of frames with the spot alight on one unit: each the next of the camera, or the next that is not
+/// dark while the gate stays open, no more than kDark_s or kDarkFrames later.
 struct LitRun {
   std::size_t begin{};  ///< Indices into LitFrames::frames.
   std::size_t end{};
@@ -44,6 +45,11 @@ struct LitFrames {
 
 inline constexpr double kReach_mm = 0.3;   ///< Largest distance of a spot from its entity.
 inline constexpr double kSearch_mm = 1.0;  ///< How far the nearest entity is looked for.
+/// For so long, or for so many periods of the camera, a cut may be dark and go on as the same: frames between
+/// two pulses of a laser's PWM, corners in which the beam is slow. Two parts of a cut would each show a small
+/// part of how far the beam drifts; a longer darkness may be a jump with the gate open.
+inline constexpr double kDark_s = 0.02;
+inline constexpr double kDarkFrames = 3.5;
 
 /// The spot burns away from every line.
 inline bool isOffLine(const LitFrame& frame) { return frame.entity < 0 && frame.distance_mm > kReach_mm; }
@@ -55,6 +61,9 @@ inline bool isOffLine(const LitFrame& frame) { return frame.entity < 0 && frame.
 /// A spot that leaves its line by more than kReach_mm is still measured against it, as left_entity: if the
 /// frames of its run before and after it, where there are any, agree on the entity, and it lies beside that,
 /// not beyond an end of it.
-LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& dieline);
+///
+/// @param gates When the gate was open; in any order.
+LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& dieline,
+                        std::vector<GateInterval> gates);
 
 }  // namespace kerfbench::inspect

@@ -57,6 +57,26 @@ TEST(PinEvidence, TimesThePulsesOfEachDriveThatIsWiredWhole) {
   EXPECT_NEAR(pins.pulses[0].min_width_s, 3e-6, 1e-12);
 }
 
+TEST(PinEvidence, AGateThatItsPwmChopsOpensOncePerCut) {
+  std::vector<PinEvent> events;
+  // Two cuts of three pulses of 0.2 ms, 1 ms apart; 1.2 ms of darkness between the cuts.
+  for (const std::uint64_t cut : {1000U, 4400U}) {
+    for (std::uint64_t pulse = 0; pulse < 3; ++pulse) {
+      events.push_back({cut + 1000 * pulse, 2, kGateHigh, kGateHigh, 0});
+      events.push_back({cut + 1000 * pulse + 200, 2, kGateHigh, 0, 0});
+    }
+  }
+  const PinEvidence chopped = pinEvidence(recordingOf(events), wiringOfX());
+  ASSERT_THAT(chopped.gates, SizeIs(2));
+  EXPECT_THAT(chopped.gates[0].on_s, DoubleEq(1e-3));
+  EXPECT_THAT(chopped.gates[0].off_s, DoubleEq(3.2e-3));
+  EXPECT_THAT(chopped.gates[1].on_s, DoubleEq(4.4e-3));
+  EXPECT_THAT(chopped.light, SizeIs(6)) << "the light is that of the pulses";
+  PinWiring with_pwm = wiringOfX();
+  with_pwm.signals.assign(Signal::kLaserPwm, {2, 4});
+  EXPECT_THAT(pinEvidence(recordingOf(events), with_pwm).gates, SizeIs(6)) << "such a gate is not chopped";
+}
+
 TEST(PinEvidence, GatesAreTheIntervalsInWhichTheLineWasHighAndTheLastEndsWithTheRecording) {
   const auto pins = pinEvidence(recordingOf({{1000, 2, kGateHigh, kGateHigh, 0},
                                              {1500, 2, 1, kGateHigh | 1U, 0},

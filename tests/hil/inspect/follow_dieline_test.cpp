@@ -33,7 +33,7 @@ vision::FrameMeasurement& addFrame(vision::SpotTrack& track, const Eigen::Vector
 
 TEST(FollowDieline, PutsEverySpotOnTheEntityThatItFollows) {
   SyntheticRun run;
-  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline, run.evidence.gates);
   EXPECT_EQ(lit.unplaced, 0U);
   EXPECT_EQ(lit.frames.size(), lit.lit);
   for (const LitFrame& frame : lit.frames) {
@@ -47,7 +47,7 @@ TEST(FollowDieline, KeepsTheLineWhereItCrossesAnother) {
   run.dieline.entities[kNote] = {kNote, dieline::LineCurve{{20, 10.13}, {40, 10.13}},
                                  dieline::Process::kIgnore, "", ""};
   run.dieline.entities[kNote].process = dieline::Process::kCut;
-  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline, run.evidence.gates);
   for (const LitFrame& frame : lit.frames) EXPECT_NE(frame.entity, kNote) << frame.time_s;
 }
 
@@ -59,7 +59,7 @@ TEST(FollowDieline, KeepsTheLineWhereANeighbourIsNowAndThenNearer) {
                                  ""};
   int odd = 0;
   run.shiftSpot(0, kBottom, [&](double) { return Eigen::Vector2d(0.0, ++odd % 2 == 0 ? 0.11 : 0.09); });
-  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline, run.evidence.gates);
   std::size_t followed = 0;
   for (std::size_t i = 1; i < lit.frames.size(); ++i) {
     const LitFrame& frame = lit.frames[i];
@@ -75,7 +75,7 @@ TEST(FollowDieline, ASheetThatLiesAskewMakesNoDifference) {
   // The whole web is turned about the machine's origin, with the spot on it. The printed line across the belt
   // keeps its deviations; its deviations along x are another matter.
   SyntheticRun run;
-  const LitFrames straight = followDieline(run.evidence.spot, run.dieline);
+  const LitFrames straight = followDieline(run.evidence.spot, run.dieline, run.evidence.gates);
   const Eigen::Rotation2Dd turn(0.02);
   for (vision::FrameMeasurement& frame : run.evidence.spot.frames) {
     if (frame.spot_W_mm) frame.spot_W_mm = turn * *frame.spot_W_mm;
@@ -84,7 +84,7 @@ TEST(FollowDieline, ASheetThatLiesAskewMakesNoDifference) {
       pose.angle_rad += turn.angle();
     }
   }
-  const LitFrames askew = followDieline(run.evidence.spot, run.dieline);
+  const LitFrames askew = followDieline(run.evidence.spot, run.dieline, run.evidence.gates);
   ASSERT_EQ(askew.frames.size(), straight.frames.size());
   for (std::size_t i = 0; i < askew.frames.size(); ++i) {
     EXPECT_EQ(askew.frames[i].entity, straight.frames[i].entity);
@@ -98,12 +98,12 @@ TEST(FollowDieline, ASheetThatLiesAskewMakesNoDifference) {
 TEST(FollowDieline, TheSheetMovesEvenlyBetweenFramesThatShowIt) {
   SyntheticRun run;
   auto& frames = run.evidence.spot.frames;
-  const auto before = followDieline(run.evidence.spot, run.dieline).frames;
+  const auto before = followDieline(run.evidence.spot, run.dieline, run.evidence.gates).frames;
   // Two or more frames without marks lie between two with: in each the belt has come 0.2 mm farther.
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (i % 6 != 0 && i % 6 != 4) frames[i].sheet.clear();
   }
-  const auto after = followDieline(run.evidence.spot, run.dieline).frames;
+  const auto after = followDieline(run.evidence.spot, run.dieline, run.evidence.gates).frames;
   ASSERT_GE(after.size() + 6, before.size());
   for (const LitFrame& frame : after) {
     const auto same = std::find_if(before.begin(), before.end(),
@@ -122,7 +122,7 @@ TEST(FollowDieline, ASheetThatGathersSpeedLiesBetweenTheFramesBesideIt) {
     const double fours = 0.25 * static_cast<double>(i);
     if (i % 4 == 0) frame.sheet.push_back({0, {fours * fours, 0.0}, 0.0, 0.001, 4});
   }
-  const auto frames = followDieline(track, dieline).frames;
+  const auto frames = followDieline(track, dieline, {}).frames;
   ASSERT_EQ(frames.size(), 9U);
   EXPECT_NEAR(frames[2].p_S_mm.x(), 20.0 - 0.5, 1e-9);
   EXPECT_NEAR(frames[6].p_S_mm.x(), 20.0 - 2.5, 1e-9);
@@ -132,7 +132,7 @@ TEST(FollowDieline, TheFirstFrameToldWhereTheSheetIs) {
   SyntheticRun run;
   vision::FrameMeasurement& first = run.evidence.spot.frames.front();
   first.spot_W_mm = first.sheet.front().p_WS_mm + Eigen::Vector2d(10.0, 0.0);
-  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline, run.evidence.gates);
   EXPECT_EQ(lit.unplaced, 0U);
   EXPECT_EQ(lit.frames.front().frame, 0U);
   EXPECT_EQ(lit.frames.front().entity, kBottom);
@@ -150,7 +150,7 @@ TEST(FollowDieline, BetweenTwoLinesASpotHasLeftNeither) {
       addFrame(track, {1.0 + way_mm - y_mm, y_mm}).sheet.push_back({0, {0.0, 0.0}, 0.0, 0.001, 4});
     }
     int between = 0;
-    for (const LitFrame& frame : followDieline(track, dieline).frames) {
+    for (const LitFrame& frame : followDieline(track, dieline, {}).frames) {
       if (frame.entity >= 0) continue;
       ++between;
       EXPECT_EQ(frame.left_entity, -1) << frame.p_S_mm.transpose();
@@ -166,7 +166,7 @@ TEST(FollowDieline, ASpotThatRunsOnBeyondTheEndOfItsLineIsMeasuredAgainstNone) {
   for (double x_mm = 1.0; x_mm < 13.0; x_mm += 0.25)
     addFrame(track, {x_mm, 0.0}).sheet.push_back({0, {0.0, 0.0}, 0.0, 0.001, 4});
   int beyond = 0;
-  for (const LitFrame& frame : followDieline(track, dieline).frames) {
+  for (const LitFrame& frame : followDieline(track, dieline, {}).frames) {
     if (frame.p_S_mm.x() < 11.0) continue;
     ++beyond;
     EXPECT_EQ(frame.entity, -1);
@@ -185,7 +185,7 @@ TEST(FollowDieline, ATurnOfTheSheetMovesASpotByItsDistanceFromThePivot) {
       pose.covariance = kTurn_rad * kTurn_rad * turn * turn.transpose();
     }
   }
-  for (const LitFrame& frame : followDieline(run.evidence.spot, run.dieline).frames) {
+  for (const LitFrame& frame : followDieline(run.evidence.spot, run.dieline, run.evidence.gates).frames) {
     const vision::FrameMeasurement& seen = run.evidence.spot.frames[frame.frame];
     if (seen.sheet.empty()) continue;  // Between two poses, which are known better together.
     const double away_mm = (frame.p_S_mm - pivot_mm).norm();
@@ -198,7 +198,7 @@ TEST(FollowDieline, ATurnOfTheSheetMovesASpotByItsDistanceFromThePivot) {
 TEST(FollowDieline, AtACornerNobodyKnowsWhichLineItIs) {
   const SyntheticRun run;
   int corners = 0;
-  for (const LitFrame& frame : followDieline(run.evidence.spot, run.dieline).frames) {
+  for (const LitFrame& frame : followDieline(run.evidence.spot, run.dieline, run.evidence.gates).frames) {
     if (frame.entity != kBottom && frame.entity != kTop) continue;
     const double from_corner_mm = std::min(frame.p_S_mm.x(), 60.0 - frame.p_S_mm.x());
     if (from_corner_mm < 0.25) {
@@ -213,12 +213,31 @@ TEST(FollowDieline, AtACornerNobodyKnowsWhichLineItIs) {
 
 TEST(FollowDieline, EachTimeTheBeamSetsOutItBeginsARun) {
   const SyntheticRun run;
-  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline, run.evidence.gates);
   EXPECT_EQ(lit.runs.size(), run.evidence.gates.size() - 2 * 3) << "the outline is one run of four lines";
   for (const LitRun& one : lit.runs) {
     for (std::size_t i = one.begin + 1; i < one.end; ++i)
       EXPECT_EQ(lit.frames[i].frame, lit.frames[i - 1].frame + 1);
   }
+}
+
+TEST(FollowDieline, DarkFramesDoNotEndACutWhileTheGateIsOpen) {
+  SyntheticRun run;
+  const std::size_t cuts = followDieline(run.evidence.spot, run.dieline, run.evidence.gates).runs.size();
+  std::vector<vision::FrameMeasurement>& frames = run.evidence.spot.frames;
+  std::size_t darkened = 0;
+  for (std::size_t i = 17; i + 1 < frames.size(); i += 17) {
+    const bool in_a_cut = std::ranges::any_of(run.evidence.gates, [&](const GateInterval& gate) {
+      return gate.on_s <= frames[i - 1].mid_s && frames[i + 1].mid_s <= gate.off_s;
+    });
+    if (!in_a_cut || !frames[i - 1].spot_W_mm || !frames[i].spot_W_mm || !frames[i + 1].spot_W_mm) continue;
+    frames[i].spot_W_mm.reset();
+    ++darkened;
+  }
+  ASSERT_GT(darkened, 20U);
+  EXPECT_EQ(followDieline(run.evidence.spot, run.dieline, run.evidence.gates).runs.size(), cuts);
+  EXPECT_EQ(followDieline(run.evidence.spot, run.dieline, {}).runs.size(), cuts + darkened)
+      << "nothing says that the gate was open meanwhile";
 }
 
 TEST(FollowDieline, WhereNoMarkWasSeenForLongNobodyKnowsTheSheet) {
@@ -227,7 +246,7 @@ TEST(FollowDieline, WhereNoMarkWasSeenForLongNobodyKnowsTheSheet) {
   for (vision::FrameMeasurement& frame : run.evidence.spot.frames) {
     if (std::abs(frame.mid_s - gate.on_s) < 0.15) frame.sheet.clear();
   }
-  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline, run.evidence.gates);
   EXPECT_GT(lit.unplaced, 50U);
   for (const LitFrame& frame : lit.frames) EXPECT_GT(std::abs(frame.time_s - gate.on_s), 0.14);
 }

@@ -28,10 +28,6 @@ constexpr double kKerfEndU_mm = 0.008;
 /// Length of path since the beam set off.
 using Motion = double (*)(double t_s);
 
-double ramp(double t_s) {
-  const double ramp_s = kTop_mm_s / kAcceleration_mm_s2;
-  return t_s < ramp_s ? 0.5 * kAcceleration_mm_s2 * t_s * t_s : kTop_mm_s * (t_s - 0.5 * ramp_s);
-}
 double dash(double t_s) { return 150.0 * t_s; }
 /// Path out of a jump without a stop, at 120 mm/s and speeding up; offward(): at 140 mm/s and slowing down to
 /// 80.
@@ -40,6 +36,14 @@ double offward(double t_s) {
   const double braked_s = std::min(t_s, 60.0 / 9000.0);
   return braked_s * (140.0 - 4500.0 * braked_s) + 80.0 * (t_s - braked_s);
 }
+/// Paths of slow cuts: ramps of 4.5 and 7.5 ms that end after 0.20 and 0.56 mm.
+double rampTo(double top_mm_s, double t_s) {
+  const double ramp_s = top_mm_s / kAcceleration_mm_s2;
+  return t_s < ramp_s ? 0.5 * kAcceleration_mm_s2 * t_s * t_s : top_mm_s * (t_s - 0.5 * ramp_s);
+}
+double ramp(double t_s) { return rampTo(kTop_mm_s, t_s); }
+double rampTo90(double t_s) { return rampTo(90.0, t_s); }
+double rampTo150(double t_s) { return rampTo(150.0, t_s); }
 double jerk(double t_s) { return 1e6 * t_s * t_s * t_s; }
 
 /// A beam that follows one curve, seen once in a millisecond while the gate is open.
@@ -65,6 +69,9 @@ class Start {
     displaced_mm_ = by_mm;
     limits_.path_mm = 0.1;
   }
+
+  /// A beam whose power follows its speed: no frame shows it before it has come so far.
+  void hideUntil(double way_mm) { dark_mm_ = way_mm; }
 
   /// What the camera's clock is off the pins', at most.
   void boundClock(double bound_s) { evidence_.clock_bound_s = bound_s; }
@@ -139,6 +146,7 @@ class Start {
       const double since_s = t_s - gate_s + lag_s;
       const double way_mm = since_s > 0 ? motion(since_s) : 0.0;
       if (way_mm > length_mm) break;
+      if (way_mm < dark_mm_) continue;
       const double share = way_mm / length_mm;
       LitFrame frame;
       frame.time_s = off_s = t_s;
@@ -156,6 +164,7 @@ class Start {
   Tolerances limits_;
   Eigen::Vector2d displaced_mm_{Eigen::Vector2d::Zero()};
   bool backwards_;
+  double dark_mm_{0.0};
 };
 
 const dieline::Curve kLine = dieline::LineCurve{{0, 0}, {40, 30}};
@@ -177,6 +186,53 @@ TEST(GateLag, AStartOnALineTooShortForFramesIsNotTakenForALateOneOnTheNext) {
   beside.add(dieline::LineCurve{{-1.1, 0.0}, {0.0, 0.0}});
   EXPECT_EQ(beside.seen(-0.002)->verdict, Verdict::kFail)
       << "and so has one a little longer than a millimetre";
+}
+
+TEST(GateLag, ARampThatIsSoonOverIsNotTakenForAStartAtFullSpeed) {
+  // The way in full run points to half a ramp after the gate: as early a gate, if the start were at full
+  // speed.
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    for (const Motion motion : {rampTo90, rampTo150}) {
+      const Finding check = Start(kLine).seen(0.0, motion, seed);
+      if (check) EXPECT_EQ(check->verdict, Verdict::kPass) << seed << check->explanation;
+    }
+  }
+}
+
+TEST(GateLag, AGateThatIsLateByHalfARampDoesNotSeemToBeInTime) {
+  int judged = 0;
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    const Finding check = Start(kLine).seen(0.00375, rampTo150, seed);
+    if (!check) continue;
+    ++judged;
+    EXPECT_EQ(check->verdict, Verdict::kFail) << seed << check->explanation;
+  }
+  EXPECT_GE(judged, 20);
+}
+
+TEST(GateLag, ARampThatIsSoonOverHasItsIntervalToo) {
+  for (const double lag_s : {-0.002, 0.0, 0.001}) {
+    int inside = 0;
+    int seen = 0;
+    for (unsigned seed = 1; seed <= 200; ++seed) {
+      const Finding check = Start(kLine).seen(lag_s, rampTo150, seed);
+      if (!check) continue;
+      ++seen;
+      inside += std::abs(check->value - 1e3 * std::abs(lag_s)) <= check->u ? 1 : 0;
+    }
+    EXPECT_GE(seen, 50) << lag_s;
+    const double least = 0.95 - 3.1 * std::sqrt(0.95 * 0.05 / seen);
+    EXPECT_GE(inside, seen * least) << lag_s << " of " << seen;
+  }
+}
+
+TEST(GateLag, OfABeamThatIsDarkAtRestNoEarlyGateIsClaimed) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    Start start(kLine);
+    start.hideUntil(0.15);
+    const Finding check = start.seen(0.0, rampTo90, seed);
+    if (check) EXPECT_NE(check->verdict, Verdict::kFail) << seed << check->explanation;
+  }
 }
 
 TEST(GateLag, WhatNoFrameCanHaveSeenIsNotGuessed) {

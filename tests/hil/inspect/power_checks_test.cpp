@@ -153,8 +153,8 @@ TEST(LineEnergy, AStretchIsFoundThoughItIsTheFirst) {
   const auto first = std::ranges::find_if(frames, [](const auto& f) { return f.spot_W_mm.has_value(); });
   const double strong_until_s = (first + 2)->mid_s + 1e-4;
   const SyntheticRun run = metered(0.13, strong_until_s, 0.1 / 0.13);
-  const Finding check =
-      checks::lineEnergyCheck(run.evidence, run.limits, followDieline(run.evidence.spot, run.dieline));
+  const Finding check = checks::lineEnergyCheck(
+      run.evidence, run.limits, followDieline(run.evidence.spot, run.dieline, run.evidence.gates));
   EXPECT_EQ(check->verdict, Verdict::kFail) << check->explanation;
 }
 

@@ -72,6 +72,42 @@ TEST(Refusals, DarkFramesBetweenPulsesOfLightAreExcused) {
   EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kInvalid) << "nobody knows which frames";
 }
 
+/// A PWM whose pulses of 40 us beat with the exposures of 200 us; the light comes lag_s behind the pins, and
+/// a frame that it misses is dark. Those of dead_s on have none.
+Check spotSeenOfSlowPwm(double lag_s, double dead_s) {
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  const double pwm_s = (frames[1].mid_s - frames[0].mid_s) / 4.06;
+  run.evidence.light.clear();
+  for (const GateInterval& gate : run.evidence.gates) {
+    for (double on_s = std::ceil(gate.on_s / pwm_s) * pwm_s; on_s + 40e-6 < gate.off_s; on_s += pwm_s)
+      run.evidence.light.push_back({on_s, on_s + 40e-6});
+  }
+  std::size_t dark = 0;
+  for (vision::FrameMeasurement& frame : frames) {
+    frame.exposure_s = 200e-6;
+    const double shift_s = frame.mid_s - 0.5 * frame.exposure_s - lag_s;
+    const double phase_s = shift_s - std::floor(shift_s / pwm_s) * pwm_s;  // The exposure begins there.
+    // 12 us of a pulse are too little to be seen.
+    const bool missed = phase_s > 28e-6 && phase_s + frame.exposure_s < pwm_s + 12e-6;
+    if (!frame.spot_W_mm || !(missed || frame.mid_s > dead_s)) continue;
+    frame.spot_W_mm.reset();
+    ++dark;
+  }
+  EXPECT_GT(dark, 20U);
+  return checkOf(run.inspected(), "spot_seen");
+}
+
+TEST(Refusals, TheLasersLagDecidesWhichFramesLieBetweenPulses) {
+  constexpr double kNever_s = 1e9;
+  for (const double lag_s : {0.0, 20e-6, 100e-6}) {
+    const Check check = spotSeenOfSlowPwm(lag_s, kNever_s);
+    EXPECT_EQ(check.verdict, Verdict::kPass) << lag_s << check.explanation;
+  }
+  EXPECT_EQ(spotSeenOfSlowPwm(20e-6, 1.0).verdict, Verdict::kInvalid)
+      << "no lag explains a laser that is dead";
+}
+
 TEST(Refusals, ASingleDarkFrameInAThousandIsNoneTwoInARowAre) {
   SyntheticRun run;
   auto& frames = run.evidence.spot.frames;
