@@ -22,9 +22,8 @@ TEST_F(Mcs51ReleaseLong, LabelPasses) {
   const ProgramRun whole = run("mcs51/label-on-belt");
   EXPECT_EQ(whole.exit_code, 0) << whole.output;
 }
-// The belt that is counted 1 % wrong is faster than the job allows, and the controller stops by itself.
-TEST_F(Mcs51ReleaseLong, EncoderScaleFailsByFinish) {
-  expectFailure(run("faults/encoder-scale-mcs51"), "encoder-scale", "finish");
+TEST_F(Mcs51ReleaseLong, EncoderScaleFailsByPath) {
+  expectFailure(run("faults/encoder-scale-mcs51"), "encoder-scale", "path");
 }
 TEST_F(Mcs51ReleaseLong, DirLateFailsByPulseTiming) {
   expectFailure(run("faults/dir-late-mcs51"), "dir-late", "pulse_timing");
