@@ -35,7 +35,7 @@ std::vector<fs::path> sources() {
   return found;
 }
 
-std::vector<Include> includes() {
+std::vector<Include> readIncludes() {
   static const std::regex kPattern(R"re(^\s*#\s*include\s*["<]([^">]+)[">])re");
   std::vector<Include> found;
   for (const fs::path& path : sources()) {
@@ -49,6 +49,12 @@ std::vector<Include> includes() {
     }
   }
   return found;
+}
+
+/// The whole tree is read once for all rules.
+const std::vector<Include>& includes() {
+  static const std::vector<Include> kIncludes = readIncludes();
+  return kIncludes;
 }
 
 bool in(const std::string& path, const std::string& folder) { return path.starts_with(folder + "/"); }

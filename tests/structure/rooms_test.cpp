@@ -121,18 +121,28 @@ TEST(Rooms, ThatMeasureAndJudgeReachNothingOfTheTwinButItsBase) {
   }
 }
 
+/// What a file includes in quotes; each is read once.
+const std::vector<std::string>& directIncludes(const std::string& path) {
+  static const std::regex kInclude(R"re(#include "([^"]+)")re");
+  static std::map<std::string, std::vector<std::string>> known;
+  const auto [place, is_new] = known.try_emplace(path);
+  if (is_new && fs::exists(sourceRoot() / path)) {
+    const std::string text = textOf(sourceRoot() / path);
+    for (std::sregex_iterator it(text.begin(), text.end(), kInclude), end; it != end; ++it)
+      place->second.push_back((*it)[1].str());
+  }
+  return place->second;
+}
+
 /// Project headers that a file includes, directly or through others.
 std::set<std::string> includedBy(const std::string& path) {
-  static const std::regex kInclude(R"re(#include "([^"]+)")re");
   std::set<std::string> seen;
   std::vector<std::string> open{path};
   while (!open.empty()) {
     const std::string next = open.back();
     open.pop_back();
-    if (!fs::exists(sourceRoot() / next)) continue;
-    const std::string text = textOf(sourceRoot() / next);
-    for (std::sregex_iterator it(text.begin(), text.end(), kInclude), end; it != end; ++it) {
-      if (seen.insert((*it)[1].str()).second) open.push_back((*it)[1].str());
+    for (const std::string& header : directIncludes(next)) {
+      if (seen.insert(header).second) open.push_back(header);
     }
   }
   return seen;
