@@ -5,7 +5,7 @@ namespace kerfbench::cortex_m_child {
 namespace {
 
 constexpr std::uint32_t kLines = 0x7FFFF;
-constexpr unsigned kPinLines = 16;
+constexpr unsigned kPinLines = 16, kUsbLine = 18;
 
 }  // namespace
 
@@ -82,17 +82,23 @@ void Exti::onPins(unsigned port, std::uint32_t changed) {
   updateLines();
 }
 
+void Exti::onUsbWakeUp() {
+  if ((rising_ >> kUsbLine & 1U) != 0) trigger(kUsbLine);
+  updateLines();
+}
+
 void Exti::trigger(unsigned line) {
   pending_ |= 1U << line;
   if ((events_ >> line & 1U) != 0 && on_event) on_event();
 }
 
 void Exti::updateLines() {
-  constexpr unsigned kFirst = 6, kLines5To9 = 23, kLines10To15 = 40;
+  constexpr unsigned kFirst = 6, kLines5To9 = 23, kLines10To15 = 40, kUsbWakeUp = 42;
   const std::uint32_t up = pending_ & interrupts_;
   for (unsigned line = 0; line < 5; ++line) nvic_.setLine(kFirst + line, (up >> line & 1U) != 0);
   nvic_.setLine(kLines5To9, (up & 0x3E0U) != 0);
   nvic_.setLine(kLines10To15, (up & 0xFC00U) != 0);
+  nvic_.setLine(kUsbWakeUp, (up >> kUsbLine & 1U) != 0);
 }
 
 }  // namespace kerfbench::cortex_m_child

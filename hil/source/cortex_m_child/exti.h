@@ -31,7 +31,8 @@ class Afio final : public Device {
   std::array<std::uint32_t, 4> lines_{};
 };
 
-/// External interrupts of edges (RM0008, chapter 10). Lines 16 to 18 (voltage, clock, USB) never have one.
+/// External interrupts of edges (RM0008, chapter 10). Lines 16 and 17 (voltage, clock) never have
+/// one.
 class Exti final : public Device {
  public:
   Exti(Nvic& nvic, const Pins& pins, const Afio& afio) : nvic_(nvic), pins_(pins), afio_(afio) {}
@@ -39,6 +40,8 @@ class Exti final : public Device {
   void write(std::uint32_t offset, std::uint32_t value) override;
   void reset() override;
   void onPins(unsigned port, std::uint32_t changed);
+  /// The bus wakes a USB device that was suspended: a rising edge on line 18.
+  void onUsbWakeUp();
   /// Called with an edge whose event is not masked: what ends WFE.
   std::function<void()> on_event;
 

@@ -48,7 +48,8 @@ Machine::Machine(const emulator::OpenRequest& asked)
       control_(present_, nvic_, systick_, part_.device_id),
       flash_interface_(present_, nvic_, time_, flash_, part_.page_bytes),
       watchdog_(present_, time_),
-      line_(present_, time_, usarts_, asked.baud),
+      usb_({present_, nvic_, exti_, pins_, rcc_, time_}),
+      line_(present_, time_, usarts_, usb_, asked.baud),
       core_(present_, *this, flash_, sram_, system_memory_),
       // NOLINTNEXTLINE(bugprone-throw-keyword-missing): exceptions of the core, and nothing to throw.
       exceptions_(present_, core_, nvic_, control_, *this, sram_) {
@@ -89,6 +90,8 @@ void Machine::addDevices() {
   bus_.add({0x40010000, &afio_, ClockBus::kApb2, 0, "AFIO"});
   bus_.add({0x40010400, &exti_, ClockBus::kAlways, 0, "EXTI"});
   bus_.add({0x40003000, &watchdog_, ClockBus::kAlways, 0, "IWDG"});
+  bus_.add({0x40005C00, &usb_, ClockBus::kApb1, 23, "USB"});
+  bus_.add({0x40006000, &usb_.packetMemory(), ClockBus::kApb1, 23, "the packet memory of USB"});
   bus_.add({0x40006C00, &backup_, ClockBus::kApb1, 27, "BKP"});
   bus_.add({0x40007000, &power_, ClockBus::kApb1, 28, "PWR"});
   bus_.add({0x40020000, &dma_, ClockBus::kAhb, 0, "DMA1"});
@@ -96,7 +99,7 @@ void Machine::addDevices() {
   bus_.add({0x40022000, &flash_interface_, ClockBus::kAlways, 0, "FLASH"});
   bus_.add({0x40023000, &crc_, ClockBus::kAhb, 6, "CRC"});
   bus_.add({kSystemBase, &control_, ClockBus::kAlways, 0, "the core"});
-  timed_.insert(timed_.end(), {&systick_, &dma_, &watchdog_});
+  timed_.insert(timed_.end(), {&systick_, &dma_, &watchdog_, &usb_});
 }
 
 void Machine::addUnmodelled() {
@@ -109,8 +112,7 @@ void Machine::addUnmodelled() {
   static constexpr Known kKnown[] = {
       {0x40002800, ClockBus::kApb1, 28, "RTC"},  {0x40002C00, ClockBus::kApb1, 11, "WWDG"},
       {0x40003800, ClockBus::kApb1, 14, "SPI2"}, {0x40005400, ClockBus::kApb1, 21, "I2C1"},
-      {0x40005800, ClockBus::kApb1, 22, "I2C2"}, {0x40005C00, ClockBus::kApb1, 23, "USB"},
-      {0x40006000, ClockBus::kApb1, 23, "USB"},  {0x40006400, ClockBus::kApb1, 25, "CAN"},
+      {0x40005800, ClockBus::kApb1, 22, "I2C2"}, {0x40006400, ClockBus::kApb1, 25, "CAN"},
       {0x40012400, ClockBus::kApb2, 9, "ADC1"},  {0x40012800, ClockBus::kApb2, 10, "ADC2"},
       {0x40013000, ClockBus::kApb2, 12, "SPI1"}};
   static constexpr Known kHighDensity[] = {
@@ -222,7 +224,7 @@ Cycle Machine::findDeviceEvent() const {
   return next;
 }
 
-Cycle Machine::findInput() const {
+Cycle Machine::findInput() {
   std::uint64_t tick = line_.nextTick();
   if (!inputs_.empty()) tick = std::min(tick, inputs_.front().tick);
   if (!clock_is_due_) tick = std::min(tick, clock_due_tick_);

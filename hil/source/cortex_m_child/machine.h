@@ -24,6 +24,7 @@
 #include "hil/source/cortex_m_child/system_control.h"
 #include "hil/source/cortex_m_child/timer.h"
 #include "hil/source/cortex_m_child/usart.h"
+#include "hil/source/cortex_m_child/usb_device.h"
 #include "hil/source/cortex_m_child/watchdog.h"
 #include "hil/source/emulator/emulator.h"
 
@@ -66,7 +67,7 @@ class Machine final : public emulator::Emulator, private CoreBus, private Device
   void onClock();
   void checkClock();
   [[nodiscard]] Cycle findDeviceEvent() const;
-  [[nodiscard]] Cycle findInput() const;
+  [[nodiscard]] Cycle findInput();
   void findEvents();
   void feedInput();
   void advanceTo(Cycle cycle);
@@ -93,6 +94,7 @@ class Machine final : public emulator::Emulator, private CoreBus, private Device
   SystemControl control_;
   FlashInterface flash_interface_;
   Watchdog watchdog_;
+  UsbDevice usb_;
   CrcUnit crc_;
   KeptRegisters power_, backup_;
   std::vector<std::unique_ptr<Timer>> timers_;

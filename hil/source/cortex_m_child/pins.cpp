@@ -78,6 +78,7 @@ void Pins::decode(Port& port) {
   for (unsigned bit = 0; bit < 16; ++bit) {
     const std::uint32_t mode = port.mode(bit);
     const std::uint32_t mask = 1U << bit;
+    if ((port.foreign & mask) != 0) continue;
     if ((mode & 3U) != 0) {
       port.outputs |= mask;
       if ((mode & 4U) != 0) port.open_drain |= mask;
@@ -122,6 +123,13 @@ void Pins::drive(Pin pin, bool level) {
   port.driven |= mask;
   port.driven_level = level ? port.driven_level | mask : port.driven_level & ~mask;
   update(port);
+}
+
+void Pins::setTaken(Pin pin, bool is_taken) {
+  Port& port = ports_[pin.port];
+  const std::uint32_t mask = 1U << pin.bit;
+  port.foreign = is_taken ? port.foreign | mask : port.foreign & ~mask;
+  decode(port);
 }
 
 void Pins::setAlternate(Pin pin, bool is_taken, bool level) {

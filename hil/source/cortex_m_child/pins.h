@@ -39,6 +39,8 @@ class Pins {
   void drive(Pin pin, bool level);
   /// A timer takes a pin in its alternate function, with this level, or leaves it.
   void setAlternate(Pin pin, bool is_taken, bool level);
+  /// A device that is no modelled output takes a pin for itself, or leaves it: the port drives it no more.
+  void setTaken(Pin pin, bool is_taken);
   /// Level that a device sees.
   [[nodiscard]] bool level(Pin pin) const { return (ports_[pin.port].seen >> pin.bit & 1U) != 0; }
   /// Called after levels that devices see have changed.
@@ -60,7 +62,8 @@ class Pins {
     std::uint64_t modes{};  ///< CRL and CRH: four bits for each pin.
     std::uint32_t latch{};  ///< ODR
     std::uint32_t lock{};
-    std::uint32_t taken{};  ///< Pins of timers, and their levels.
+    std::uint32_t foreign{};  ///< Pins of devices that drive them by themselves.
+    std::uint32_t taken{};    ///< Pins of timers, and their levels.
     std::uint32_t timer_level{};
     std::uint32_t driven{};  ///< Pins that the bench has put a level on, and these.
     std::uint32_t driven_level{};

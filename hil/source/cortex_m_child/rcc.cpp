@@ -8,7 +8,7 @@ constexpr std::uint32_t kControl = 0x00, kConfiguration = 0x04, kResetApb2 = 0x0
                         kEnableAhb = 0x14, kEnableApb2 = 0x18, kEnableApb1 = 0x1C, kBackup = 0x20,
                         kStatus = 0x24;
 constexpr std::uint32_t kHsiOn = 1, kHseOn = 1U << 16, kPllOn = 1U << 24;
-constexpr std::uint32_t kFromHse = 1U << 16, kHalfHse = 1U << 17;
+constexpr std::uint32_t kFromHse = 1U << 16, kHalfHse = 1U << 17, kUsbUndivided = 1U << 22;
 
 /// Dividers of 2 and more are coded from `half` on.
 unsigned prescaler(std::uint32_t code, unsigned half) { return code < half ? 1U : 2U << (code - half); }
@@ -61,6 +61,11 @@ unsigned Rcc::divider(ClockBus bus) const {
 unsigned Rcc::timerDivider(ClockBus bus) const {
   const unsigned bus_divider = divider(bus);
   return bus_divider == 1 ? 1U : bus_divider / 2U;
+}
+
+std::uint64_t Rcc::usbHz() const {
+  if ((control_ & kPllOn) == 0) return 0;
+  return (configuration_ & kUsbUndivided) != 0 ? pllHz() : pllHz() * 2 / 3;
 }
 
 bool Rcc::isOn(ClockBus bus, unsigned bit) const {

@@ -27,6 +27,8 @@ class Rcc final : public Device {
   [[nodiscard]] unsigned divider(ClockBus bus) const;
   /// Cycles of the core in a clock of the timers of a bus.
   [[nodiscard]] unsigned timerDivider(ClockBus bus) const;
+  /// Clock of the USB device, from the PLL; 0 where that is off.
+  [[nodiscard]] std::uint64_t usbHz() const;
   [[nodiscard]] bool isOn(ClockBus bus, unsigned bit) const;
   /// What the core's clock is made of, in words.
   [[nodiscard]] std::string clockInWords() const;

@@ -6,8 +6,24 @@
 
 namespace kerfbench::cortex_m_child {
 
-SerialLine::SerialLine(Present& present, const CoreTime& time, const Usarts& usarts, std::uint32_t baud)
-    : present_(present), time_(time), usarts_(usarts), baud_(baud), pace_(time.clockHz(), baud) {}
+SerialLine::SerialLine(Present& present, const CoreTime& time, const Usarts& usarts, UsbDevice& usb,
+                       std::uint32_t baud)
+    : present_(present),
+      time_(time),
+      usarts_(usarts),
+      baud_(baud),
+      usb_host_(present, time, usb, to_send_, baud),
+      pace_(time.clockHz(), baud) {
+  usb_host_.on_bytes = [this](std::span<const std::uint8_t> bytes, std::uint64_t tick) {
+    for (const std::uint8_t byte : bytes) sent_.push_back({tick, byte});
+  };
+}
+
+/// A device that is no serial line leaves the line to the USARTs.
+bool SerialLine::isOnUsb() const {
+  const UsbHost::State state = usb_host_.state();
+  return state == UsbHost::State::kOpening || state == UsbHost::State::kOpen;
+}
 
 Usart* SerialLine::receiver() const {
   const auto found = std::ranges::find_if(usarts_, [](const auto& usart) { return usart->receives(); });
@@ -20,16 +36,33 @@ void SerialLine::send(std::span<const std::uint8_t> bytes, std::uint64_t waterma
     pace_.restart();
   }
   to_send_.insert(to_send_.end(), bytes.begin(), bytes.end());
+  checkUsb();
 }
 
-std::uint64_t SerialLine::nextTick() const {
+std::uint64_t SerialLine::nextFrameTick() const {
   if (to_send_.empty()) return kNever;
   if (in_frame_) return free_at_;
+  if (isOnUsb()) return kNever;
   const Usart* usart = receiver();
   return usart != nullptr && usart->holdsOff() ? kNever : free_at_;
 }
 
+std::uint64_t SerialLine::nextTick() { return std::min(nextFrameTick(), usb_host_.nextTick()); }
+
 void SerialLine::run() {
+  if (nextFrameTick() <= usb_host_.nextTick()) return runUsart();
+  usb_host_.run();
+  checkUsb();
+}
+
+/// Where the bench can be heard nowhere.
+void SerialLine::checkUsb() {
+  if (usb_host_.state() != UsbHost::State::kRefused || receiver() != nullptr || !present_.misheard.empty())
+    return;
+  if (!usb_host_.isSilentRefusal() || !to_send_.empty()) present_.misheard = usb_host_.refusal();
+}
+
+void SerialLine::runUsart() {
   Usart* const usart = receiver();
   if (!in_frame_) {
     in_frame_ = true;
@@ -47,6 +80,7 @@ void SerialLine::run() {
 }
 
 void SerialLine::onTransmit(const Usart& usart, std::uint8_t byte, Cycle end) {
+  if (isOnUsb()) return;
   const Usart* own = receiver();
   if (own != nullptr && own != &usart) return;
   watch(usart);

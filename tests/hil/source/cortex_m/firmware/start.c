@@ -25,6 +25,7 @@ HANDLER(on_exti2);
 HANDLER(on_dma1);
 HANDLER(on_dma4);
 HANDLER(on_dma5);
+HANDLER(on_usb);
 HANDLER(on_exti9_5);
 HANDLER(on_tim1_up);
 HANDLER(on_tim1_cc);
@@ -32,6 +33,7 @@ HANDLER(on_tim2);
 HANDLER(on_tim3);
 HANDLER(on_tim4);
 HANDLER(on_usart1);
+HANDLER(on_usb_wake);
 
 __attribute__((section(".vectors"), used)) static const void* const kVectors[16 + 43] = {
     [0] = &stack_top,
@@ -50,13 +52,15 @@ __attribute__((section(".vectors"), used)) static const void* const kVectors[16 
     [16 + 11] = on_dma1,
     [16 + 14] = on_dma4,
     [16 + 15] = on_dma5,
+    [16 + 20] = on_usb,
     [16 + 23] = on_exti9_5,
     [16 + 25] = on_tim1_up,
     [16 + 27] = on_tim1_cc,
     [16 + 28] = on_tim2,
     [16 + 29] = on_tim3,
     [16 + 30] = on_tim4,
-    [16 + 37] = on_usart1};
+    [16 + 37] = on_usart1,
+    [16 + 42] = on_usb_wake};
 
 void start(void) {
   const uint32_t* from = &data_image;

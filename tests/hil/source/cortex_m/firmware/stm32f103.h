@@ -77,6 +77,15 @@
 #define IWDG_PR REG(0x40003004)
 #define IWDG_RLR REG(0x40003008)
 
+#define USB_EP(n) REG(0x40005C00 + 4 * (n))
+#define USB_CNTR REG(0x40005C40)
+#define USB_ISTR REG(0x40005C44)
+#define USB_FNR REG(0x40005C48)
+#define USB_DADDR REG(0x40005C4C)
+#define USB_BTABLE REG(0x40005C50)
+/* A half-word of the packet memory, by its address on the USB's side. */
+#define USB_MEMORY(address) REG(0x40006000 + 2 * (address))
+
 #define SYST_CSR REG(0xE000E010)
 #define SYST_RVR REG(0xE000E014)
 #define SYST_CVR REG(0xE000E018)
@@ -100,12 +109,14 @@ enum {
   IRQ_DMA1 = 11,
   IRQ_DMA4 = 14,
   IRQ_DMA5 = 15,
+  IRQ_USB = 20,
   IRQ_TIM1_UP = 25,
   IRQ_TIM1_CC = 27,
   IRQ_TIM2 = 28,
   IRQ_TIM3 = 29,
   IRQ_TIM4 = 30,
-  IRQ_USART1 = 37
+  IRQ_USART1 = 37,
+  IRQ_USB_WAKE = 42
 };
 
 static inline void enable_interrupt(unsigned irq) { NVIC_ISER(irq / 32) = 1U << (irq % 32); }
