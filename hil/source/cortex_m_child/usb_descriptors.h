@@ -12,7 +12,7 @@ namespace kerfbench::cortex_m_child {
 struct UsbEndpoint {
   std::uint8_t number{};            ///< 1 to 15.
   std::uint16_t most_bytes{};       ///< In one packet.
-  std::uint8_t interval_frames{1};  ///< Of an interrupt endpoint: frames between two looks.
+  std::uint8_t interval_frames{1};  ///< Frames between two looks at an interrupt endpoint.
 };
 
 /// Where the serial line of a device is (USB CDC 1.2 and PSTN 1.2, 2007 and 2010).

@@ -17,7 +17,7 @@ struct UsbRequest {
   std::uint16_t value{};
   std::uint16_t index{};
   std::uint16_t length{};
-  std::vector<std::uint8_t> data;  ///< Of a request with data for the device.
+  std::vector<std::uint8_t> data;  ///< For the device, where the request has any.
   std::string name;                ///< For people.
 
   [[nodiscard]] bool isToHost() const { return (type >> 7 & 1U) != 0; }

@@ -130,7 +130,7 @@ void UsbHost::enterNextPhase(Bit bit) {
       enumeration_ = UsbEnumeration(baud_);
       startControl(enumeration_.request(), bit);
       break;
-    default:  // It was open once.
+    default:  // Absent, and open before.
       refuse("the firmware has taken its USB device off the bus, and it has not come back", true);
   }
 }

@@ -54,7 +54,7 @@ class UsbHost {
     unsigned interval_frames{1};
     bool is_data1{};
     Bit not_before{kNever};  ///< The pipe is not used until then.
-    Bit mute_since{kNever};  ///< It has not answered since.
+    Bit mute_since{kNever};  ///< No answer has come since.
   };
   struct Transaction {
     Pipe pipe{};
