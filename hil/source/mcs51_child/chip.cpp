@@ -57,6 +57,20 @@ void Chip::advance(Tick tick) {
       is_reset_due_ = true;  // Not in the middle of an instruction.
     }
     refreshNext();
+    cpu_.attend(0);
+  }
+}
+
+bool Chip::run(Tick limit) {
+  const std::uint64_t frames = uart_.begun() + uart_.heard();
+  for (;;) {
+    execute(limit);
+    bool is_settled = false;
+    while (!is_settled) {
+      if (now_ >= limit || !fault().empty() || ports_.isFlooded() || !end_.empty()) return false;
+      is_settled = !settle();
+    }
+    if (now_ >= limit || ports_.isFlooded() || uart_.begun() + uart_.heard() != frames) return true;
   }
 }
 
@@ -66,11 +80,9 @@ void Chip::execute(Tick limit) {
     (power & kPowerDown) != 0 ? sleep(limit) : wait(limit);
     return;
   }
-  const std::uint8_t opcode = cpu_.fetchOpcode();
-  fetched_ = now_ + part_.cycle();
-  ends_ = now_ + clocks_[opcode];
-  cpu_.execute(opcode);
-  now_ = ends_;
+  // Each instruction is followed by a poll while a request waits.
+  const Tick horizon = interrupts_.hasPending() ? 0 : std::min(limit, next_);
+  now_ = cpu_.run(now_, horizon);
 }
 
 bool Chip::settleDue() {
@@ -126,7 +138,6 @@ void Chip::drive(unsigned port, unsigned bit, bool level, Tick tick) {
   advance(tick);
   ports_.drive(port, bit, level);
   pinsChanged(tick);
-  refreshNext();
 }
 
 void Chip::hear(const Frame& frame) {
@@ -136,7 +147,11 @@ void Chip::hear(const Frame& frame) {
 
 void Chip::pinsChanged(Tick tick) {
   const unsigned levels = (ports_.pins(3) >> 2U & 0xFU) | (ports_.pins(1) & 3U) << 4U;
-  if (const auto older = sampler_.change(static_cast<std::uint8_t>(levels), tick)) applySample(*older);
+  if (const auto older = sampler_.change(static_cast<std::uint8_t>(levels), tick)) {
+    applySample(*older);
+    refreshNext();
+  }
+  next_ = std::min(next_, sampler_.next());
 }
 
 void Chip::applySample(const PinSampler::Sample& sample) {
@@ -159,16 +174,18 @@ void Chip::applySample(const PinSampler::Sample& sample) {
 /// A flag of INT0 or INT1 that is not set by edges is the inverted pin.
 void Chip::followLevels(Tick tick) {
   if (part_.is_stc15) return;
+  bool has_changed = false;
   for (unsigned i = 0; i < 2; ++i) {
     const auto by_edge = static_cast<std::uint8_t>(0x01U << (2 * i));
     const auto flag = static_cast<std::uint8_t>(0x02U << (2 * i));
     if ((sfrs_[kTcon] & by_edge) != 0) continue;
     const bool is_low = (sampler_.levels() & (kInt0Pin << i)) == 0;
     if (is_low == ((sfrs_[kTcon] & flag) != 0)) continue;
+    has_changed = true;
     sfrs_.set(kTcon, flag, is_low);
     if (is_low) interrupts_.flag(i == 0 ? Interrupt::kExternal0 : Interrupt::kExternal1, tick);
   }
-  interrupts_.written(tick);
+  if (has_changed) interrupts_.written(tick);
 }
 
 }  // namespace kerfbench::mcs51_child

@@ -18,16 +18,22 @@ namespace kerfbench::mcs51_child {
 
 /// A whole controller, one instruction after the other.
 ///
-/// An instruction is carried out by execute(); what happens outside until its end, and the interrupt that may
-/// follow, by settle(). In between, inputs take effect. A port changes in S1P1 after the last cycle of
-/// its instruction (Intel 1994): events have the tick at which the instruction ends.
+/// Instructions are carried out by execute(), as long as nothing happens outside; what does happen until the
+/// end of the last one, and the interrupt that may follow, by settle(). In between, inputs take effect. A
+/// port changes in S1P1 after the last cycle of its instruction (Intel 1994): events have the tick at which
+/// the instruction ends.
 class Chip : private Peripherals {
  public:
   /// `code` has the size of the part's code memory. Power comes at tick 0; ports show it at tick 1.
   Chip(const Part& part, std::vector<std::uint8_t> code, std::size_t max_events);
 
-  /// Carries out the next instruction; an idle controller waits, at most until `limit`.
+  /// Carries out the next instruction, and those behind it until one ends at `limit` or later, or settle()
+  /// has something to do; an idle controller waits.
   void execute(Tick limit);
+  /// execute() and settle() by turns, until an instruction or the call of an interrupt has ended at `limit`
+  /// or later, the UART has begun or heard a frame, or nothing can go on. @pre No input is due before
+  /// `limit`. Returns whether all is settled.
+  bool run(Tick limit);
   /// After execute(), and again after each call: peripherals catch up, and an interrupt is entered if one is
   /// due. Returns whether one was, which takes the time of a call.
   bool settle() {
@@ -57,6 +63,7 @@ class Chip : private Peripherals {
   std::uint8_t readSfr(std::uint8_t address, bool is_latch) override;
   void writeSfr(std::uint8_t address, std::uint8_t value) override;
   void writeSfrBit(std::uint8_t address, std::uint8_t mask, bool on) override;
+  void writeRegister(std::uint8_t address, std::uint8_t value);
   void writePort(unsigned port, std::uint8_t value);
   bool writeStcPortMode(std::uint8_t address, std::uint8_t value);
   void writeFlags(std::uint8_t address, std::uint8_t value);
@@ -86,8 +93,6 @@ class Chip : private Peripherals {
   PinSampler sampler_;
   Cpu cpu_;
   Tick now_{};
-  Tick fetched_{};  // When the operands of the instruction under way have been read.
-  Tick ends_{};
   Tick next_{};
   Tick watchdog_{kNever};
   Tick stopped_at_{};

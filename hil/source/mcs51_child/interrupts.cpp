@@ -2,6 +2,7 @@
 #include "hil/source/mcs51_child/interrupts.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace kerfbench::mcs51_child {
@@ -49,7 +50,7 @@ std::uint8_t Interrupts::unblocked() const {
   return in_progress_[0] ? highPriority() : std::uint8_t{0xFF};
 }
 
-void Interrupts::refresh() { pending_ = static_cast<std::uint8_t>(requests() & enabled() & unblocked()); }
+void Interrupts::refresh() { pending_ = static_cast<std::uint8_t>(flagged_ & enabled() & unblocked()); }
 
 void Interrupts::flag(Interrupt source, Tick tick) {
   const auto index = static_cast<unsigned>(source);
@@ -69,11 +70,11 @@ void Interrupts::written(Tick tick) {
 }
 
 std::uint8_t Interrupts::visible(Tick end) const {
-  const std::uint8_t asked = static_cast<std::uint8_t>(requests() & enabled());
   unsigned bits = 0;
-  for (unsigned i = 0; i < kInterrupts; ++i) {
+  for (unsigned rest = flagged_ & unsigned{enabled()}; rest != 0; rest &= rest - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(rest));
     const Tick polled = since_[i] + (i == kTimer2 ? 0 : part_.cycle());
-    if ((asked & bitOf(i)) != 0 && polled <= end) bits |= bitOf(i);
+    if (polled <= end) bits |= bitOf(i);
   }
   return static_cast<std::uint8_t>(bits);
 }
@@ -83,8 +84,7 @@ std::optional<Interrupt> Interrupts::poll(Tick end) {
   if (std::exchange(is_inhibited_, false) || polled == 0) return std::nullopt;
   const auto high = static_cast<std::uint8_t>(polled & highPriority());
   const unsigned chosen = high != 0 ? high : polled;
-  unsigned index = 0;
-  while ((chosen >> index & 1U) == 0) ++index;
+  const auto index = static_cast<unsigned>(std::countr_zero(chosen));
   in_progress_[high != 0 ? 1 : 0] = true;
   const auto source = static_cast<Interrupt>(index);
   acknowledge(source);

@@ -161,8 +161,8 @@ emulator::RunResult Machine::run(std::uint64_t until) {
     } else if (chip_->now() >= until) {
       break;
     } else {
-      chip_->execute(inputs_.empty() ? until : std::min<Tick>(until, inputs_.front().tick));
-      is_settled_ = false;
+      is_settled_ = chip_->run(inputs_.empty() ? until : std::min<Tick>(until, inputs_.front().tick));
+      if (is_settled_) watchLine();
     }
   }
   deliver(result, until);

@@ -34,23 +34,24 @@ std::uint8_t Chip::readSfr(std::uint8_t address, bool is_latch) {
     const auto index = static_cast<unsigned>(port);
     return is_latch ? ports_.latch(index) : ports_.pins(index);
   }
-  advance(fetched_);
+  const Tick fetched = cpu_.fetched();
+  advance(fetched);
   switch (address) {
     case kTl0:
     case kTl1:
     case kTh0:
     case kTh1:
-      timers_.advance(fetched_);
+      timers_.advance(fetched);
       return timers_.read(address);
     case kTl2:
     case kTh2:
       if (!part_.has_timer2) return sfrs_[address];
-      timers_.advance(fetched_);
+      timers_.advance(fetched);
       return timers_.read(address);
     case kStcT2l:
     case kStcT2h:
       if (!part_.is_stc15) return sfrs_[address];
-      timers_.advance(fetched_);
+      timers_.advance(fetched);
       return timers_.read(address);
     case kSbuf:
       return uart_.received();
@@ -60,30 +61,37 @@ std::uint8_t Chip::readSfr(std::uint8_t address, bool is_latch) {
 }
 
 void Chip::writeSfr(std::uint8_t address, std::uint8_t value) {
-  const int port = portAt(address);
-  advance(ends_);
-  if (port >= 0) {
+  advance(cpu_.ends());
+  if (const int port = portAt(address); port >= 0) {
     writePort(static_cast<unsigned>(port), value);
-  } else if (part_.is_stc15 && writeStcPortMode(address, value)) {
+  } else {
+    writeRegister(address, value);
+  }
+  // What comes of it must not be passed over: an interrupt, a flood.
+  cpu_.attend(interrupts_.hasPending() || ports_.isFlooded() ? 0 : next_);
+}
+
+void Chip::writeRegister(std::uint8_t address, std::uint8_t value) {
+  if (part_.is_stc15 && writeStcPortMode(address, value)) {
     sfrs_[address] = value;
   } else {
-    timers_.advance(ends_);
+    timers_.advance(cpu_.ends());
     writeControl(address, value);
   }
   refreshNext();
 }
 
 void Chip::writeSfrBit(std::uint8_t address, std::uint8_t mask, bool on) {
-  advance(ends_);
+  advance(cpu_.ends());
   const int port = portAt(address);
   const unsigned old = port >= 0 ? ports_.latch(static_cast<unsigned>(port)) : sfrs_[address];
   writeSfr(address, static_cast<std::uint8_t>(on ? old | mask : old & ~unsigned{mask}));
 }
 
 void Chip::writePort(unsigned port, std::uint8_t value) {
-  ports_.setLatch(port, value, ends_);
+  ports_.setLatch(port, value, cpu_.ends());
   if (port < 4) sfrs_[static_cast<std::uint8_t>(kP0 + 0x10U * port)] = value;
-  if (port == 1 || port == 3) pinsChanged(ends_);
+  if (port == 1 || port == 3) pinsChanged(cpu_.ends());
 }
 
 bool Chip::writeStcPortMode(std::uint8_t address, std::uint8_t value) {
@@ -91,8 +99,8 @@ bool Chip::writeStcPortMode(std::uint8_t address, std::uint8_t value) {
   constexpr std::uint8_t kM0[] = {0x94, 0x92, 0x96, 0xB2, 0xB4, 0xCA};
   for (unsigned port = 0; port < Ports::kPorts; ++port) {
     if (address != kM1[port] && address != kM0[port]) continue;
-    ports_.setMode(port, address == kM1[port], value, ends_);
-    pinsChanged(ends_);
+    ports_.setMode(port, address == kM1[port], value, cpu_.ends());
+    pinsChanged(cpu_.ends());
     return true;
   }
   return false;
@@ -100,12 +108,12 @@ bool Chip::writeStcPortMode(std::uint8_t address, std::uint8_t value) {
 
 /// Registers of flags: what is polled at the end of this instruction is what they were before it.
 void Chip::writeFlags(std::uint8_t address, std::uint8_t value) {
-  interrupts_.hold(ends_);
+  interrupts_.hold(cpu_.ends());
   sfrs_[address] = value;
-  if (address == kTcon) followLevels(ends_);
-  interrupts_.written(ends_);
-  timers_.configure(ends_);
-  if (address == kScon) uart_.configure(ends_);
+  if (address == kTcon) followLevels(cpu_.ends());
+  interrupts_.written(cpu_.ends());
+  timers_.configure(cpu_.ends());
+  if (address == kScon) uart_.configure(cpu_.ends());
 }
 
 void Chip::writeControl(std::uint8_t address, std::uint8_t value) {
@@ -123,7 +131,7 @@ void Chip::writeControl(std::uint8_t address, std::uint8_t value) {
       interrupts_.refresh();
       break;
     case kSbuf:
-      uart_.send(value, ends_);
+      uart_.send(value, cpu_.ends());
       break;
     case kPcon:
       writePowerControl(value);
@@ -141,7 +149,7 @@ void Chip::writeControl(std::uint8_t address, std::uint8_t value) {
     case kRcap2l:
     case kRcap2h:
       sfrs_[address] = value;
-      timers_.configure(ends_);
+      timers_.configure(cpu_.ends());
       break;
     default:
       sfrs_[address] = value;
@@ -151,21 +159,22 @@ void Chip::writeControl(std::uint8_t address, std::uint8_t value) {
 
 void Chip::writePowerControl(std::uint8_t value) {
   sfrs_[kPcon] = value;
+  if ((value & (kIdle | kPowerDown)) != 0) cpu_.attend(0);
   if ((value & kPowerDown) == 0) return;
-  timers_.setStopped(true, ends_);
-  stopped_at_ = ends_;
+  timers_.setStopped(true, cpu_.ends());
+  stopped_at_ = cpu_.ends();
 }
 
 /// 1E and then E1 start the watchdog, and start it anew.
 void Chip::feedWatchdog(std::uint8_t value) {
   if (part_.has_watchdog && watchdog_key_ == 0x1E && value == 0xE1) {
-    watchdog_ = ends_ + kWatchdogCycles * part_.cycle();
+    watchdog_ = cpu_.ends() + kWatchdogCycles * part_.cycle();
   }
   watchdog_key_ = value;
 }
 
 void Chip::pokeSfr(std::uint8_t address, std::uint8_t value) {
-  ends_ = now_;
+  cpu_.setEnd(now_);
   writeSfr(address, value);
 }
 

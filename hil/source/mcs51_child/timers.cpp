@@ -192,11 +192,22 @@ Tick Timers::next() const {
   return std::min(next, nextOfTimer2());
 }
 
+/// Pins whose falling edges a timer waits for.
+std::uint8_t Timers::countedPins() const {
+  unsigned pins = (timers_[0].counts_edges ? kT0Pin : 0U) | (timers_[1].counts_edges ? kT1Pin : 0U);
+  if (part_.has_timer2) {
+    const unsigned control = sfrs_[kT2con];
+    pins |= ((control & kCt2) != 0 ? kT2Pin : 0U) | ((control & kExen2) != 0 ? kT2exPin : 0U);
+  }
+  return static_cast<std::uint8_t>(pins);
+}
+
 void Timers::sampled(const PinSampler::Sample& sample) {
-  const Tick tick = std::max(sample.tick, advanced_to_);
-  advance(tick);
   const bool gate_changed = ((levels_ ^ sample.levels) & (kInt0Pin | kInt1Pin)) != 0;
   levels_ = sample.levels;
+  if (!gate_changed && (sample.fallen & countedPins()) == 0) return;
+  const Tick tick = std::max(sample.tick, advanced_to_);
+  advance(tick);
   // The count appears in S3P1 of the cycle after the one in which the edge was seen.
   const Tick counted = sample.tick + part_.cycle();
   for (unsigned i = 0; i < 2; ++i) {

@@ -69,6 +69,7 @@ class Timers {
   void advanceTimer2(Tick tick);
   void overflowTimer2(Tick tick);
   void writeTimer2(std::uint8_t address, std::uint8_t value);
+  [[nodiscard]] std::uint8_t countedPins() const;
   void sampleForTimer2(const PinSampler::Sample& sample);
   [[nodiscard]] bool isTimer2Watched() const;
   [[nodiscard]] Tick nextOfTimer2() const;

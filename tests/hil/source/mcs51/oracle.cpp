@@ -133,7 +133,7 @@ Memories runOurs(const std::vector<std::uint8_t>& code, std::uint16_t stop) {
   constexpr Tick kLongest = 2'000'000'000;
   chip.settle();
   while (chip.cpu().pc() != stop && chip.now() < kLongest && chip.fault().empty()) {
-    chip.execute(kLongest);
+    chip.execute(chip.now() + 1);
     while (chip.settle()) {
     }
   }
