@@ -16,7 +16,7 @@ struct OpenRequest {
   std::string image_path;
   std::string eeprom;  ///< File, or kBlankEeprom; empty: what the image says of it.
   std::uint64_t clock_hz{};
-  std::uint32_t baud{};
+  std::uint32_t baud{};        ///< Rate of the bench's UART; 0: nobody listens, and nothing is sent.
   std::uint64_t max_events{};  ///< Most pin events in one quantum; more is a flood (KB_PS_FLOODED).
 };
 inline constexpr const char* kBlankEeprom = "blank";
@@ -27,6 +27,7 @@ struct PinEvent {
   std::uint16_t port{};
   std::uint16_t changed{};
   std::uint16_t level{};
+  bool operator==(const PinEvent&) const = default;
 };
 
 /// What a quantum has brought.

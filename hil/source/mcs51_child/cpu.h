@@ -219,7 +219,7 @@ class Cpu {
   Sfrs& sfrs_;
   Peripherals& peripherals_;
   std::uint32_t iram_bytes_;
-  std::uint32_t bank_{};  // That of PSW, which each addition writes anew.
+  std::uint32_t bank_{};  // Bank of PSW, which each addition writes anew.
   std::uint32_t pc_{};
   std::uint32_t began_at_{};        // Address of the instruction under way.
   Tick ends_{};                     // End of the instruction under way.

@@ -98,6 +98,7 @@ void Machine::watchRate(double ticks_per_bit) {
 }
 
 void Machine::watchLine() {
+  if (asked_.baud == 0) return;
   const Uart& uart = chip_->uart();
   if (uart.begun() != begun_) {
     begun_ = uart.begun();

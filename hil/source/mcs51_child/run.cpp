@@ -58,7 +58,8 @@ Tick Cpu::run(Tick now, Tick horizon) {
     pc = kInstructions[opcode](*this, pc + 1);
   } while (now < horizon_);
   pc_ = pc;
-  return now + std::exchange(passed_, 0);
+  ends_ = now + std::exchange(passed_, 0);
+  return ends_;
 }
 
 }  // namespace kerfbench::mcs51_child
