@@ -39,7 +39,8 @@ std::unique_ptr<source::SignalSource> openRelease(const scenario::FirmwareChoice
   options.mcu = firmware.mcu;
   options.eeprom = firmware.eeprom_blank ? std::string(source::kBlankEeprom) : firmware.eeprom.string();
   options.clock_hz = firmware.clock_hz;
-  options.baud = firmware.baud;
+  // Where nothing is spoken, the firmware may use its UART as it likes.
+  options.baud = firmware.dialog == scenario::FirmwareChoice::Dialog::kNone ? 0 : firmware.baud;
   options.max_events_per_quantum = flood(firmware);
   try {
     return source::openChild(options);

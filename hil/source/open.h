@@ -23,7 +23,7 @@ struct ChildSourceOptions {
   std::string eeprom{};  ///< File with what the EEPROM holds, or "blank"; empty: what the image says of it.
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
-  std::uint32_t baud{250'000};
+  std::uint32_t baud{250'000};  ///< 0: nobody listens to its UART, and nothing is sent.
   std::uint64_t max_events_per_quantum{200'000};
   double hang_guard_s{20.0};  ///< Wall time for one quantum before the child is killed (kHung).
 };

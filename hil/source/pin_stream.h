@@ -14,11 +14,12 @@
  *   bench -> child
  *     OPEN     u32 version, u64 clock_hz, u32 baud, u64 max_events, text mcu, text image path,
  *              and where a scenario says what the EEPROM holds: text EEPROM file, or "blank"
- *              -> HELLO or ERROR
+ *              -> HELLO or ERROR; baud 0: nobody listens to the UART, at whatever rate it speaks
  *     DRIVE    u64 tick, u16 port, u16 bit, u8 level
  *              an input pin takes this level at this tick (> watermark)
  *     UART     bytes for the controller, sent at its baud rate, flow control honoured; no reply
- *     ADVANCE  u64 until                                   run until this tick -> BATCH
+ *     ADVANCE  u64 until                                   run until this tick -> BATCH; several may come
+ *              before the first is answered, and are answered in order
  *     QUIT     the child exits with 0
  *     DESCRIBE text mcu           in place of OPEN, for the bench's own emulators -> DESCRIPTION
  *
@@ -35,7 +36,8 @@
  *              of a port
  *
  * A BATCH with stop other than KB_PS_REACHED is the last one. Ticks in a batch ascend and lie in
- * (last watermark, watermark]. The level of a pin before its first event is 0.
+ * (last watermark, watermark], and no pin changes twice in one tick. The level of a pin before its first event
+ * is 0.
  */
 /* clang-format on */
 #ifndef KERFBENCH_PIN_STREAM_H

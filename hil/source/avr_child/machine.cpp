@@ -212,7 +212,7 @@ void Machine::setByteTime() {
 
 /// A byte is under way: whether it would be heard.
 void Machine::watchUart() {
-  if (!misheard_.empty()) return;
+  if (options_.baud == 0 || !misheard_.empty()) return;
   const auto bits = static_cast<unsigned>(uart_->cycles_per_byte / cyclesPerBit());
   const double rate = static_cast<double>(options_.clock_hz) / static_cast<double>(cyclesPerBit());
   char text[160] = "";

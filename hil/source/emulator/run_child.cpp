@@ -36,34 +36,43 @@ void confine([[maybe_unused]] std::uint64_t address_space_bytes) {
 #endif
 }
 
-std::vector<std::uint8_t> hello(const Emulator& emulator) {
+// Replies wait for those to the requests behind them as long as they do not fill the pipe.
+constexpr std::size_t kHeldBytes = 32768;
+constexpr std::size_t kEventBytes = 16;
+
+void putHello(Replies& replies, const Emulator& emulator) {
   const Clock clock = emulator.clock();
-  std::vector<std::uint8_t> out;
+  auto& out = replies.begin(KB_PS_HELLO);
   putInteger<std::uint32_t>(out, KB_PS_VERSION);
   putInteger(out, clock.tick_num);
   putInteger(out, clock.tick_den);
   putInteger(out, clock.stamp_error_ticks);
   putText(out, emulator.configuration());
-  return out;
+  replies.end();
 }
 
-std::vector<std::uint8_t> batch(const RunResult& run) {
-  std::vector<std::uint8_t> out;
-  out.reserve(32 + run.events.size() * 16 + run.uart.size() + run.message.size());
+void putEvents(std::vector<std::uint8_t>& out, const std::vector<PinEvent>& events) {
+  putInteger(out, static_cast<std::uint32_t>(events.size()));
+  out.resize(out.size() + events.size() * kEventBytes);
+  std::uint8_t* at = out.data() + out.size() - events.size() * kEventBytes;
+  for (const auto& event : events) {
+    at = storeInteger(at, event.tick);
+    at = storeInteger(at, event.port);
+    at = storeInteger(at, event.changed);
+    at = storeInteger(at, event.level);
+    at = storeInteger(at, std::uint16_t{0});
+  }
+}
+
+void putBatch(Replies& replies, const RunResult& run) {
+  auto& out = replies.begin(KB_PS_BATCH);
   putInteger(out, static_cast<std::uint8_t>(run.stop));
   putInteger(out, run.watermark);
-  putInteger(out, static_cast<std::uint32_t>(run.events.size()));
-  for (const auto& event : run.events) {
-    putInteger(out, event.tick);
-    putInteger(out, event.port);
-    putInteger(out, event.changed);
-    putInteger(out, event.level);
-    putInteger(out, std::uint16_t{0});
-  }
+  putEvents(out, run.events);
   putInteger(out, static_cast<std::uint32_t>(run.uart.size()));
   out.insert(out.end(), run.uart.begin(), run.uart.end());
   putText(out, run.message);
-  return out;
+  replies.end();
 }
 
 OpenRequest openRequest(const Message& request) {
@@ -85,10 +94,10 @@ OpenRequest openRequest(const Message& request) {
   return asked;
 }
 
-void replyText(int out_fd, kb_ps_reply type, std::string_view text) {
-  std::vector<std::uint8_t> out;
-  putText(out, text);
-  writeMessage(out_fd, static_cast<std::uint8_t>(type), out);
+void replyText(Replies& replies, kb_ps_reply type, std::string_view text) {
+  putText(replies.begin(static_cast<std::uint8_t>(type)), text);
+  replies.end();
+  replies.send();
 }
 
 void drive(Emulator& emulator, const Message& request) {
@@ -101,15 +110,17 @@ void drive(Emulator& emulator, const Message& request) {
   emulator.drive(tick, port, bit, level != 0);
 }
 
-/// Answers requests until QUIT, or until the firmware's end.
-void answer(Emulator& emulator, Requests& requests, int out_fd) {
+/// Answers requests until QUIT, or until the firmware's end. The bench may ask for several quanta at once.
+void answer(Emulator& emulator, bool has_uart, Requests& requests, Replies& replies) {
   for (;;) {
+    if (!requests.hasNext() || replies.size() > kHeldBytes) replies.send();
     const Message request = requests.next();
     switch (request.type) {
       case KB_PS_DRIVE:
         drive(emulator, request);
         break;
       case KB_PS_UART:
+        if (!has_uart) throw std::runtime_error("bytes for a UART whose rate OPEN does not give (baud 0)");
         emulator.send(request.payload);
         break;
       case KB_PS_ADVANCE: {
@@ -117,11 +128,13 @@ void answer(Emulator& emulator, Requests& requests, int out_fd) {
         const auto until = in.integer<std::uint64_t>();
         in.finish();
         const RunResult run = emulator.run(until);
-        writeMessage(out_fd, KB_PS_BATCH, batch(run));
-        if (run.stop != KB_PS_REACHED) return;
-        break;
+        putBatch(replies, run);
+        if (run.stop == KB_PS_REACHED) break;
+        replies.send();
+        return;
       }
       case KB_PS_QUIT:
+        replies.send();
         return;
       default:
         throw std::runtime_error("request " + std::to_string(request.type) + " is not known");
@@ -132,27 +145,36 @@ void answer(Emulator& emulator, Requests& requests, int out_fd) {
 void serve(int in_fd, int out_fd, const Opener& open, const Describer& describe) {
   std::unique_ptr<Emulator> emulator;
   Requests requests(in_fd);
+  Replies replies(out_fd);
+  OpenRequest asked;
   try {
     const Message first = requests.next();
     if (first.type == KB_PS_DESCRIBE) {
       FieldReader in(first.payload);
       const std::string name = in.text();
       in.finish();
-      replyText(out_fd, KB_PS_DESCRIPTION, describe(name));
+      replyText(replies, KB_PS_DESCRIPTION, describe(name));
       return;
     }
-    emulator = open(openRequest(first));
+    asked = openRequest(first);
+    emulator = open(asked);
   } catch (const EndOfRequests&) {
     throw;
   } catch (const std::exception& fault) {
-    replyText(out_fd, KB_PS_ERROR, fault.what());
+    replyText(replies, KB_PS_ERROR, fault.what());
     return;
   }
 #ifndef KERFBENCH_SANITIZED
   limit(RLIMIT_NOFILE, 3);  // The image is read: no file or socket can be opened from here on.
 #endif
-  writeMessage(out_fd, KB_PS_HELLO, hello(*emulator));
-  answer(*emulator, requests, out_fd);
+  putHello(replies, *emulator);
+  replies.send();
+  try {
+    answer(*emulator, asked.baud != 0, requests, replies);
+  } catch (...) {
+    replies.send();  // What came before a request that cannot be answered.
+    throw;
+  }
 }
 
 }  // namespace

@@ -10,12 +10,13 @@ namespace kerfbench::emulator {
 /// Bits of a byte on the bench's serial line: 8N1.
 inline constexpr unsigned kBitsPerByte = 10;
 
+/// A rate of 0 says that nobody listens.
 /// @throws std::runtime_error where the clock is 0 or above `most_hz`, or a byte does not fit into the clock.
 void checkRates(const OpenRequest& asked, std::uint64_t most_hz);
 
 /// Whether a receiver at one rate misses what is sent at another: the last bit of 8N1 is sampled nine bits
 /// and a half after the edge that started it, so that a rate is off by too much where half a bit is lost
-/// until then.
+/// until then. Where nobody asks for a rate (0), nothing is missed.
 [[nodiscard]] bool missesBytes(double rate, double asked);
 
 /// Ticks of bytes that follow each other on the line, right in the long run where one is no whole number of

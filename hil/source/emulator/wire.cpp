@@ -12,6 +12,14 @@
 namespace kerfbench::emulator {
 namespace {
 
+constexpr std::size_t kHeadBytes = 5;
+
+std::uint32_t payloadBytes(std::span<const std::uint8_t> head) {
+  std::uint32_t size = 0;
+  for (unsigned i = 0; i < 4; ++i) size |= std::uint32_t{head[i]} << (8 * i);
+  return size;
+}
+
 void writeAll(int fd, std::span<const std::uint8_t> bytes) {
   for (std::size_t done = 0; done < bytes.size();) {
     const ssize_t put = ::write(fd, bytes.data() + done, bytes.size() - done);
@@ -27,44 +35,53 @@ void writeAll(int fd, std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-void Requests::fetch() {
-  ssize_t got = 0;
-  do {
-    got = ::read(fd_, buffer_.data(), buffer_.size());
-  } while (got < 0 && errno == EINTR);
-  if (got == 0) throw EndOfRequests("the bench has gone");
-  if (got < 0) throw std::runtime_error(std::string("reading a request: ") + std::strerror(errno));
-  fetched_ = std::span(buffer_).first(static_cast<std::size_t>(got));
-}
-
-void Requests::readAll(std::span<std::uint8_t> into) {
-  while (!into.empty()) {
-    if (fetched_.empty()) fetch();
-    const std::size_t taken = std::min(into.size(), fetched_.size());
-    std::copy_n(fetched_.begin(), taken, into.begin());
-    fetched_ = fetched_.subspan(taken);
-    into = into.subspan(taken);
+/// Fetches until so many bytes are there.
+void Requests::need(std::size_t bytes) {
+  if (end_ - begin_ >= bytes) return;
+  std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),
+            buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
+  end_ -= begin_;
+  begin_ = 0;
+  if (buffer_.size() < bytes) buffer_.resize(bytes);
+  while (end_ < bytes) {
+    const ssize_t got = ::read(fd_, buffer_.data() + end_, buffer_.size() - end_);
+    if (got == 0) throw EndOfRequests("the bench has gone");
+    if (got > 0) {
+      end_ += static_cast<std::size_t>(got);
+    } else if (errno != EINTR) {
+      throw std::runtime_error(std::string("reading a request: ") + std::strerror(errno));
+    }
   }
 }
 
+bool Requests::hasNext() const {
+  return rest().size() >= kHeadBytes && rest().size() - kHeadBytes >= payloadBytes(rest());
+}
+
 Message Requests::next() {
-  std::uint8_t head[5];
-  readAll(head);
-  std::uint32_t size = 0;
-  for (unsigned i = 0; i < 4; ++i) size |= std::uint32_t{head[i]} << (8 * i);
+  need(kHeadBytes);
+  const std::uint32_t size = payloadBytes(rest());
   if (size > KB_PS_MAX_PAYLOAD) throw std::runtime_error("a request is too long");
-  Message message{head[4], std::vector<std::uint8_t>(size)};
-  readAll(message.payload);
+  need(kHeadBytes + size);
+  const Message message{rest()[4], rest().subspan(kHeadBytes, size)};
+  begin_ += kHeadBytes + size;
   return message;
 }
 
-void writeMessage(int fd, std::uint8_t type, const std::vector<std::uint8_t>& payload) {
-  std::vector<std::uint8_t> frame;
-  frame.reserve(payload.size() + 5);
-  putInteger(frame, static_cast<std::uint32_t>(payload.size()));
-  frame.push_back(type);
-  frame.insert(frame.end(), payload.begin(), payload.end());
-  writeAll(fd, frame);
+std::vector<std::uint8_t>& Replies::begin(std::uint8_t type) {
+  begun_at_ = bytes_.size();
+  bytes_.resize(begun_at_ + kHeadBytes);
+  bytes_.back() = type;
+  return bytes_;
+}
+
+void Replies::end() {
+  storeInteger(bytes_.data() + begun_at_, static_cast<std::uint32_t>(bytes_.size() - begun_at_ - kHeadBytes));
+}
+
+void Replies::send() {
+  writeAll(fd_, bytes_);
+  bytes_.clear();
 }
 
 }  // namespace kerfbench::emulator

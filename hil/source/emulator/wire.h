@@ -17,7 +17,7 @@ class EndOfRequests : public std::runtime_error {
 
 struct Message {
   std::uint8_t type{};
-  std::vector<std::uint8_t> payload;
+  std::span<const std::uint8_t> payload;  ///< Until the next one is asked for.
 };
 
 /// Requests of the bench, one by one.
@@ -27,23 +27,41 @@ class Requests {
   explicit Requests(int fd) : fd_(fd) {}
   /// The next framed message. @throws EndOfRequests at end of file, std::runtime_error on a malformed frame.
   Message next();
+  /// Whether the next message has been fetched with the ones before it.
+  [[nodiscard]] bool hasNext() const;
 
  private:
-  void readAll(std::span<std::uint8_t> into);
-  void fetch();
+  [[nodiscard]] std::span<const std::uint8_t> rest() const {
+    return std::span(buffer_).subspan(begin_, end_ - begin_);
+  }
+  void need(std::size_t bytes);
 
   int fd_;
   std::vector<std::uint8_t> buffer_ = std::vector<std::uint8_t>(65536);
-  std::span<const std::uint8_t> fetched_;  ///< What the last read() has brought and nobody has taken.
+  std::size_t begin_{}, end_{};  ///< What has been fetched and nobody has taken.
 };
 
-/// @throws EndOfRequests if the bench no longer listens.
-void writeMessage(int fd, std::uint8_t type, const std::vector<std::uint8_t>& payload);
+/// Replies to the bench, which are kept until they are sent.
+class Replies {
+ public:
+  explicit Replies(int fd) : fd_(fd) {}
+  /// Begins a message; what is put into the returned bytes is its payload, until end().
+  std::vector<std::uint8_t>& begin(std::uint8_t type);
+  void end();
+  /// @throws EndOfRequests if the bench no longer listens.
+  void send();
+  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+
+ private:
+  int fd_;
+  std::vector<std::uint8_t> bytes_;
+  std::size_t begun_at_{};
+};
 
 /// Little-endian fields out of a payload, in order. @throws std::runtime_error past the end.
 class FieldReader {
  public:
-  explicit FieldReader(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
+  explicit FieldReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
   template <typename T>
   T integer() {
     need(sizeof(T));
@@ -69,15 +87,23 @@ class FieldReader {
   void need(std::size_t count) const {
     if (bytes_.size() - at_ < count) throw std::runtime_error("a request is too short");
   }
-  const std::vector<std::uint8_t>& bytes_;
+  std::span<const std::uint8_t> bytes_;
   std::size_t at_{};
 };
 
+/// Little-endian bytes of an integer. Returns the end of them.
+template <typename T>
+std::uint8_t* storeInteger(std::uint8_t* at, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    at[i] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i));
+  }
+  return at + sizeof(T);
+}
+
 template <typename T>
 void putInteger(std::vector<std::uint8_t>& out, T value) {
-  for (std::size_t i = 0; i < sizeof(T); ++i) {
-    out.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i)));
-  }
+  out.resize(out.size() + sizeof(T));
+  storeInteger(out.data() + out.size() - sizeof(T), value);
 }
 inline void putText(std::vector<std::uint8_t>& out, std::string_view text) {
   text = text.substr(0, 0xFFFF);

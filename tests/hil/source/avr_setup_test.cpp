@@ -68,6 +68,24 @@ TEST(AvrUart, AFrameOfSevenBitsIsNamed) {
   EXPECT_THAT(run.message, HasSubstr("takes 9 bits, and the bench has 10 (8N1)"));
 }
 
+// What is not spoken is not held against anybody: a firmware's UART may have any rate and frame.
+TEST(AvrUart, WhereNobodyListensItMayRunAsItLikes) {
+  const auto run = runAt("line_ok", 16'000'000, 0);
+  EXPECT_EQ(run.stop, Stop::kReached) << run.message;
+  EXPECT_EQ(run.uart, runAt("line_ok", 16'000'000, 111'111).uart);
+  EXPECT_EQ(runAt("seven_bits", 16'000'000, 0).stop, Stop::kReached);
+}
+
+TEST(AvrUart, WithoutARateNothingIsSent) {
+  ChildSourceOptions options = avrOptions("echo");
+  options.baud = 0;
+  const auto source = openChild(options);
+  source->uartWrite(std::vector<std::uint8_t>{'?'});
+  Batch batch;
+  EXPECT_EQ(source->advance(kMs, batch), Stop::kCrashed);
+  EXPECT_THAT(source->message(), HasSubstr("baud 0"));
+}
+
 class AvrEeprom : public ::testing::Test {
  protected:
   [[nodiscard]] static std::string read(const std::string& eeprom, const std::filesystem::path& image = {}) {

@@ -190,6 +190,17 @@ TEST_F(CortexMInput, AnotherRateEndsTheRunAndIsNamed) {
   }
 }
 
+TEST_F(CortexMInput, WhereNobodyListensTheRateMayBeAny) {
+  auto options = optionsFor("talk");
+  options.baud = 115'200;
+  const auto heard = runWith(options, 20 * kMs);
+  options.baud = 0;
+  const auto unheard = runWith(options, 20 * kMs);
+  EXPECT_EQ(unheard.stop, heard.stop) << unheard.message;
+  EXPECT_EQ(unheard.message, heard.message);
+  EXPECT_EQ(unheard.uart, "steady\n");
+}
+
 TEST_F(CortexMInput, AnotherFrameIsNamed) {
   const auto result = run("seven_bits", 20 * kMs);
   EXPECT_EQ(result.stop, Stop::kMisheard);
