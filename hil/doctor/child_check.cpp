@@ -38,11 +38,12 @@ std::unique_ptr<source::SignalSource> opened(const ChildOptions& options,
   return source::openChild(child);
 }
 
-Trial run(const ChildOptions& options, double quantum_s) {
+Trial run(const ChildOptions& options, double quantum_s, bool is_foreseen = false) {
   const auto source = opened(options, options.image);
   const TickRate rate = source->info().rate;
   const Tick end = rate.ticksAt(options.seconds);
   const Tick quantum = std::max<Tick>(1, rate.ticksAt(quantum_s));
+  if (is_foreseen) source->foresee(quantum, end);
   Trial trial;
   source::Batch batch;
   while (trial.stop == source::Stop::kReached && trial.reached < end) {
@@ -122,6 +123,8 @@ std::vector<DoctorFinding> checkChild(const ChildOptions& options) {
     findings.push_back(
         same(difference(once, run(options, kOtherQuantum_s)),
              fmt::format("a run in quanta of {} ms instead of {}", 1e3 * kOtherQuantum_s, 1e3 * kQuantum_s)));
+    findings.push_back(same(difference(once, run(options, kQuantum_s, true)),
+                            "a run that asks for quanta before the answers to others are read"));
     findings.push_back(refusing(options));
   } catch (const std::runtime_error& fault) {
     findings.push_back(finding(false, fault.what()));

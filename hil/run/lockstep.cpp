@@ -62,6 +62,15 @@ bool hasGap(const std::vector<PinEvent>& events) {
   return std::ranges::any_of(events, [](const PinEvent& e) { return (e.flags & PinEvent::kGap) != 0; });
 }
 
+/// Inputs whose edges depend on what the controller does. The guard is closed before the run begins, and the
+/// start button is pressed at its time.
+constexpr std::array kFeedback{Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark,
+                               Signal::kLimitX,   Signal::kLimitY,   Signal::kPowerMonitor};
+
+bool hasFeedback(const SignalMap& map) {
+  return std::ranges::any_of(kFeedback, [&](Signal signal) { return map.pin(signal).has_value(); });
+}
+
 /// Whether an axis of the head is told to move.
 bool isPulsed(const std::vector<PinEvent>& events, const SignalMap& map) {
   return std::ranges::any_of(kHeadPuls, [&](Signal signal) {
@@ -107,7 +116,9 @@ class Lockstep {
         quantum_(
             std::max<Tick>(1, info_.rate.ticksAt(std::min(options.quantum_s, model.longestQuantum_s())))),
         limit_(info_.rate.ticksAt(options.time_limit_s)),
-        end_(limit_) {
+        end_(limit_),
+        is_foreseen_(info_.deterministic && info_.accepts_input && options.by_itself && dialog == nullptr &&
+                     options.provocation == nullptr && !hasFeedback(map)) {
     result_.recording.rate = info_.rate;
     if (info_.deterministic) return;
     result_.recording.outputs.holdInMemory(kLiveEdges);
@@ -115,7 +126,8 @@ class Lockstep {
   }
 
   RecordedRun run(const ProgressFn& progress) {
-    base::OneProcessor together(info_.process);
+    // A controller that runs ahead need not wait for the machine, nor the machine for it.
+    base::OneProcessor together(is_foreseen_ ? 0 : info_.process);
     for (int round = 0; now_ < end_; ++round) {
       together.turn();
       if (!advance()) break;
@@ -142,6 +154,7 @@ class Lockstep {
       if (now_ == 0 && info_.deterministic) driveLow();
       sendSensors(source_, edges, map_, result_.recording);
     }
+    if (is_foreseen_ && now_ > 0) source_.foresee(quantum_, lastBeforePress(until));
     const source::Stop stop = halted_ ? rest(until) : source_.advance(until, batch_);
     now_ = batch_.watermark;
     if (hasGap(batch_.events)) gaps_.add(info_.rate.seconds(now_));
@@ -212,10 +225,26 @@ class Lockstep {
     return source::Stop::kEnded;
   }
 
+  /// The last border of quanta up to which nothing is driven, at least `until`.
+  [[nodiscard]] Tick lastBeforePress(Tick until) const {
+    Tick last = end_;
+    if (!options_.by_itself->press_s) return last;
+    for (const double time_s : pressTimes_s()) {
+      const Tick tick = info_.rate.ticksAt(time_s);
+      if (tick > until) last = std::min(last, until + (tick - until - 1) / quantum_ * quantum_);
+    }
+    return last;
+  }
+
+  [[nodiscard]] std::array<double, 2> pressTimes_s() const {
+    const double press_s = *options_.by_itself->press_s;
+    return {press_s, press_s + SelfStart::kPressed_s};
+  }
+
   void pressStart(std::vector<SensorEdge>& edges, Tick until) const {
     if (!options_.by_itself->press_s) return;
-    const double press_s = *options_.by_itself->press_s;
-    for (const auto& [time_s, level] : {std::pair{press_s, true}, {press_s + SelfStart::kPressed_s, false}}) {
+    const auto [press_s, release_s] = pressTimes_s();
+    for (const auto& [time_s, level] : {std::pair{press_s, true}, {release_s, false}}) {
       const Tick tick = info_.rate.ticksAt(time_s);
       if (tick <= now_ || tick > until) continue;
       edges.insert(std::ranges::upper_bound(edges, tick, {}, &SensorEdge::tick),
@@ -274,6 +303,7 @@ class Lockstep {
   Tick quantum_;
   Tick limit_;
   Tick end_;
+  bool is_foreseen_;  ///< No input depends on what the controller does: it may run ahead.
   Tick now_{0};
   bool finishing_{false};
   bool ended_{false};

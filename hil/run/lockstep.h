@@ -65,9 +65,10 @@ using base::ProgressFn;
 /// Options for a release that a scenario runs in an emulator.
 LockstepOptions lockstepFor(const scenario::Case& test_case);
 
-/// Runs source and model quantum by quantum: the model's sensor edges of a quantum go to the source before it
-/// runs it, the source's pin events go to the model after. `dialog` may be null (a recording, or a job that
-/// is started at the machine).
+/// Runs source and model quantum by quantum. Where no input depends on the controller (nothing is spoken and
+/// no sensor wired), the source may be ahead of the model, with the same result. Else the model's sensor
+/// edges of a quantum go to the source before it runs it, the source's pin events go to the model after.
+/// `dialog` may be null (a recording, or a job that is started at the machine).
 RecordedRun runLockstep(source::SignalSource& source, LockstepModel& model, const SignalMap& map,
                         Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress);
 

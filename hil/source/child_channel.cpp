@@ -3,11 +3,12 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/socket.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <ctime>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -19,6 +20,27 @@ constexpr std::size_t kKeptStderrBytes = 2000;
 
 void setNonBlocking(const base::UniqueFd& fd) {
   (void)::fcntl(fd.get(), F_SETFL, ::fcntl(fd.get(), F_GETFL) | O_NONBLOCK);
+}
+
+/// A write to a pipe that nobody reads any more raises SIGPIPE, which would end the process; here it is only
+/// an answer (EPIPE). The signals of the process stay as they are. A socket has a flag for this, and takes
+/// twice as long.
+ssize_t writeQuietly(int fd, std::span<const std::uint8_t> bytes) {
+  sigset_t broken_pipe;
+  sigset_t before;
+  ::sigemptyset(&broken_pipe);
+  ::sigaddset(&broken_pipe, SIGPIPE);
+  ::pthread_sigmask(SIG_BLOCK, &broken_pipe, &before);
+  const ssize_t put = ::write(fd, bytes.data(), bytes.size());
+  const int error = errno;
+  if (put < 0 && error == EPIPE && ::sigismember(&before, SIGPIPE) == 0) {
+    constexpr timespec kNow{};
+    while (::sigtimedwait(&broken_pipe, nullptr, &kNow) < 0 && errno == EINTR) {
+    }
+  }
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  errno = error;
+  return put;
 }
 
 }  // namespace
@@ -36,6 +58,7 @@ void throwErrno(int error, const std::string& what) {
 void ChildChannel::carry(base::UniqueFd requests, base::UniqueFd replies, base::UniqueFd stderr_of_child) {
   requests_ = std::move(requests);
   replies_ = std::move(replies);
+  setNonBlocking(requests_);
   stderr_ = std::move(stderr_of_child);
   setNonBlocking(replies_);
   if (stderr_.valid()) setNonBlocking(stderr_);
@@ -81,7 +104,7 @@ void ChildChannel::waitForStderr(Clock::time_point deadline) {
 
 ChildChannel::Io ChildChannel::write(std::span<const std::uint8_t> bytes, Clock::time_point deadline) {
   while (!bytes.empty()) {
-    const ssize_t put = ::send(requests_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t put = writeQuietly(requests_.get(), bytes);
     if (put > 0) {
       bytes = bytes.subspan(static_cast<std::size_t>(put));
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {

@@ -42,7 +42,8 @@ class ChildChannel {
 
  protected:
   ChildChannel() = default;
-  /// `requests` is a socket; `stderr_of_child` may be empty.
+  /// `requests` is a pipe or a socket, and becomes non-blocking as the others do; `stderr_of_child` may be
+  /// empty.
   void carry(base::UniqueFd requests, base::UniqueFd replies, base::UniqueFd stderr_of_child);
   void closeRequests() { requests_.reset(); }
   void closeReplies() { replies_.reset(); }

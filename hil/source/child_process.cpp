@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,20 +34,11 @@ std::pair<base::UniqueFd, base::UniqueFd> makePipe(const std::string& what) {
   return {std::move(read_end), aboveStandard(second.release(), what)};
 }
 
-/// A socket and not a pipe: send() takes a flag against SIGPIPE, which leaves the process' signals alone.
-std::pair<base::UniqueFd, base::UniqueFd> makeSocketPair(const std::string& what) {
-  int ends[2];
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throwErrno(errno, what);
-  base::UniqueFd second(ends[1]);
-  auto ours = aboveStandard(ends[0], what);
-  return {std::move(ours), aboveStandard(second.release(), what)};
-}
-
 }  // namespace
 
 ChildProcess::ChildProcess(const std::filesystem::path& program) {
   const std::string name = program.string();
-  auto [our_requests, child_stdin] = makeSocketPair(name);
+  auto [child_stdin, our_requests] = makePipe(name);
   auto [our_replies, child_stdout] = makePipe(name);
   auto [our_stderr, child_stderr] = makePipe(name);
   base::SpawnSetup setup;

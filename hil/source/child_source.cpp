@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <map>
+#include <deque>
 #include <stdexcept>
 #include <utility>
 
@@ -20,6 +20,9 @@ constexpr std::size_t kEventBytes = 16;
 constexpr std::size_t kLongestMessage = 1000;
 constexpr std::size_t kMaxUartBlock = 1U << 20U;
 constexpr std::chrono::milliseconds kFarewell{500};
+/// Most quanta that a child is asked for at once: their requests and answers fit into a pipe, and the turn
+/// from one process to the other, which takes longer than some of them run, is shared by many.
+constexpr std::size_t kMostAhead = 16;
 
 /// Frames of the protocol, little-endian.
 class Request {
@@ -162,10 +165,9 @@ class ChildSource final : public SignalSource {
     batch.watermark = batch.uart_received = watermark_;
     if (stop_ != Stop::kReached) return stop_;
     if (until <= watermark_) throw std::invalid_argument("advance() must go forward");
-    Request(outgoing_, KB_PS_ADVANCE).put(until);
     const auto deadline = quantumDeadline();
-    const auto sent = child_->write(std::exchange(outgoing_, {}), deadline);
-    if (sent == ChildChannel::Io::kTimedOut) return hung();
+    if (!ask(until, deadline)) return hung();
+    asked_.pop_front();
     // A child that no longer reads may still have said why.
     try {
       readBatch(until, batch, deadline);
@@ -181,8 +183,9 @@ class ChildSource final : public SignalSource {
   }
 
   void drive(PinId pin, bool level, Tick at) override {
-    if (at <= watermark_ || at < last_drive_) {
-      throw std::invalid_argument("drive() must be after the watermark and in order of tick");
+    if (at <= (asked_.empty() ? watermark_ : asked_.back()) || at < last_drive_) {
+      throw std::invalid_argument(
+          "drive() must be after the watermark, and what was foreseen, in order of tick");
     }
     last_drive_ = at;
     Request(outgoing_, KB_PS_DRIVE)
@@ -192,7 +195,13 @@ class ChildSource final : public SignalSource {
         .put(static_cast<std::uint8_t>(level ? 1 : 0));
   }
 
+  void foresee(Tick step, Tick until) override {
+    step_ = step;
+    foreseen_ = until;
+  }
+
   void uartWrite(std::span<const std::uint8_t> bytes) override {
+    if (!asked_.empty()) throw std::invalid_argument("bytes for a time that was foreseen without them");
     while (!bytes.empty()) {
       const auto part = bytes.first(std::min(bytes.size(), kMaxUartBlock));
       Request(outgoing_, KB_PS_UART).bytes(part);
@@ -203,6 +212,25 @@ class ChildSource final : public SignalSource {
   [[nodiscard]] std::string message() const override { return message_; }
 
  private:
+  /// Asks for a quantum that has not been asked for, and for those that are foreseen behind it. False: the
+  /// child takes nothing. One that has gone may still have said why.
+  bool ask(Tick until, ChildChannel::Clock::time_point deadline) {
+    if (asked_.empty()) askFor(until);
+    if (asked_.front() != until) throw std::invalid_argument("advance() is not as it was foreseen");
+    if (step_ > 0 && asked_.size() <= kMostAhead / 2) {
+      while (asked_.size() < kMostAhead && asked_.back() + step_ <= foreseen_) askFor(asked_.back() + step_);
+    }
+    if (outgoing_.empty()) return true;
+    const auto sent = child_->write(outgoing_, deadline);
+    outgoing_.clear();
+    return sent != ChildChannel::Io::kTimedOut;
+  }
+
+  void askFor(Tick until) {
+    Request(outgoing_, KB_PS_ADVANCE).put(until);
+    asked_.push_back(until);
+  }
+
   void open() {
     {
       Request request(outgoing_, KB_PS_OPEN);
@@ -279,10 +307,17 @@ class ChildSource final : public SignalSource {
       if (event.tick < last || event.tick > watermark)
         throw Malformed("the ticks of its events do not ascend");
       last = event.tick;
-      auto& level = levels_[event.port];
+      if (event.port >= pins_.size()) pins_.resize(event.port + std::size_t{1});
+      auto& [level, changed_at, changed] = pins_[event.port];
       if ((event.flags & PinEvent::kGap) == 0 && (level ^ event.changed) != event.level) {
         throw Malformed("an event's levels contradict the one before it");
       }
+      if (event.tick != changed_at) changed = 0;
+      if ((changed & event.changed) != 0) {
+        throw Malformed("a pin changes twice at tick " + std::to_string(event.tick));
+      }
+      changed_at = event.tick;
+      changed = static_cast<std::uint16_t>(changed | event.changed);
       level = event.level;
       batch.events.push_back(event);
     }
@@ -304,6 +339,7 @@ class ChildSource final : public SignalSource {
   }
 
   Stop fail(Stop stop, std::string message) {
+    asked_.clear();
     message_ = std::move(message);
     return stop_ = stop;
   }
@@ -313,7 +349,15 @@ class ChildSource final : public SignalSource {
   SourceInfo info_;
   std::vector<std::uint8_t> outgoing_;
   std::vector<std::uint8_t> payload_;
-  std::map<std::uint16_t, std::uint16_t> levels_;
+  struct Port {
+    std::uint16_t level{};
+    Tick changed_at{};
+    std::uint16_t changed{};  ///< At that tick.
+  };
+  std::vector<Port> pins_;
+  std::deque<Tick> asked_;  ///< Ends of quanta that were asked for and not answered.
+  Tick step_{};
+  Tick foreseen_{};
   Tick watermark_{};
   Tick last_drive_{};
   Stop stop_{Stop::kReached};

@@ -49,6 +49,12 @@ class SignalSource {
   [[nodiscard]] virtual SourceInfo info() const = 0;
   /// Runs to `until` (> the last watermark) and replaces `batch` by what happened in (last watermark, until].
   virtual Stop advance(Tick until, Batch& batch) = 0;
+  /// Promises that until `until` no input is driven and no bytes are sent, and that advance() is called in
+  /// steps of `step`: the source may be ahead of its caller. Nothing else depends on it.
+  virtual void foresee(Tick step, Tick until) {
+    (void)step;
+    (void)until;
+  }
   /// Puts a level on an input pin at a tick after the last watermark; calls come in order of tick. (Live pins
   /// take more: see GpioLiveSource.)
   virtual void drive(PinId pin, bool level, Tick at) = 0;

@@ -33,6 +33,7 @@ class ScriptedSource : public source::SignalSource {
   std::vector<Tick> advanced;                        // Watermarks of the advances.
   std::vector<std::pair<Tick, std::size_t>> driven;  // Ticks of the driven edges, and quanta run before.
   std::vector<std::uint8_t> written;
+  std::vector<std::pair<Tick, Tick>> foreseen;  // Steps and ends of what was promised.
 
   [[nodiscard]] source::SourceInfo info() const override { return {kRate, 0, true, accepts_input, "script"}; }
   source::Stop advance(Tick until, source::Batch& batch) override {
@@ -46,6 +47,7 @@ class ScriptedSource : public source::SignalSource {
     advanced.push_back(batch.watermark);
     return until >= stop_at ? stop : source::Stop::kReached;
   }
+  void foresee(Tick step, Tick until) override { foreseen.emplace_back(step, until); }
   void drive(PinId, bool, Tick at) override { driven.emplace_back(at, advanced.size()); }
   void uartWrite(std::span<const std::uint8_t> bytes) override {
     written.insert(written.end(), bytes.begin(), bytes.end());
@@ -349,6 +351,43 @@ TEST_F(Lockstep, ARecordingThatEndsWithTheTimeLimitIsNone) {
   source.stop_at = 160'000;
   options.time_limit_s = 0.01;
   EXPECT_THAT(run(nullptr).problems, IsEmpty());
+}
+
+// A controller whose inputs depend on nothing that it does may run ahead, but not beyond its button.
+TEST_F(Lockstep, AJobWithoutFeedbackIsForeseenFromPressToPress) {
+  SignalMap bare;
+  bare.assign(Signal::kGalvoXPul, {0, 0});
+  bare.assign(Signal::kInterlock, {11, 2});
+  bare.assign(Signal::kStart, {11, 3});
+  options.by_itself = SelfStart{0.05, 0.0121, {}};
+  options.time_limit_s = 0.2;
+  (void)runLockstep(source, model, bare, nullptr, options, {});
+  constexpr Tick kPress = 193'600, kRelease = 1'793'600, kEnd = 3'200'000;
+  ASSERT_EQ(source.foreseen.size() + 1, source.advanced.size());  // The guard is closed in the first one.
+  for (std::size_t i = 0; i < source.foreseen.size(); ++i) {
+    const Tick begin = source.advanced[i];
+    const Tick expected = begin + kQuantum < kPress     ? Tick{192'000}
+                          : begin + kQuantum < kRelease ? Tick{1'792'000}
+                                                        : kEnd;
+    EXPECT_EQ(source.foreseen[i], std::pair(kQuantum, expected)) << i;
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(source.driven));
+}
+
+TEST_F(Lockstep, WithFeedbackNothingIsForeseen) {
+  options.by_itself = SelfStart{0.05, {}, {}};
+  options.time_limit_s = 0.1;
+  (void)run(nullptr);
+  EXPECT_GT(source.advanced.size(), 1U);
+  EXPECT_THAT(source.foreseen, IsEmpty());
+}
+
+TEST_F(Lockstep, WithADialogNothingIsForeseen) {
+  SignalMap bare;
+  bare.assign(Signal::kGalvoXPul, {0, 0});
+  (void)runLockstep(source, model, bare, &dialog, options, {});
+  EXPECT_GT(source.advanced.size(), 1U);
+  EXPECT_THAT(source.foreseen, IsEmpty());
 }
 
 TEST_F(Lockstep, SensorsWithoutAPinAreNotSent) {

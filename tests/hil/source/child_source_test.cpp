@@ -52,18 +52,21 @@ TEST_P(Misbehaving, ChildIsStoppedWithTheReasonAndWithoutEvidence) {
 
 INSTANTIATE_TEST_SUITE_P(
     Protocol, Misbehaving,
-    ::testing::Values(
-        Case{"dies-by-signal", Stop::kCrashed, "first words | last words"},
-        Case{"dies-by-signal", Stop::kCrashed, "signal Segmentation fault"},
-        Case{"hangs", Stop::kHung, "wall-clock guard"}, Case{"huge-length", Stop::kCrashed, "too long"},
-        Case{"cut-off", Stop::kCrashed, "exit status 3"},
-        Case{"unknown-reply", Stop::kCrashed, "unknown reply 99"},
-        Case{"unknown-stop", Stop::kCrashed, "stop code 77"},
-        Case{"wrong-watermark", Stop::kCrashed, "watermark 50"},
-        Case{"late-watermark", Stop::kCrashed, "watermark 101"},
-        Case{"too-many", Stop::kCrashed, "more events"}, Case{"fewer-than-said", Stop::kCrashed, "too short"},
-        Case{"descending", Stop::kCrashed, "ascend"}, Case{"beyond", Stop::kCrashed, "ascend"},
-        Case{"contradiction", Stop::kCrashed, "contradict"}, Case{"left-over", Stop::kCrashed, "left over"}));
+    ::testing::Values(Case{"dies-by-signal", Stop::kCrashed, "first words | last words"},
+                      Case{"dies-by-signal", Stop::kCrashed, "signal Segmentation fault"},
+                      Case{"hangs", Stop::kHung, "wall-clock guard"},
+                      Case{"huge-length", Stop::kCrashed, "too long"},
+                      Case{"cut-off", Stop::kCrashed, "exit status 3"},
+                      Case{"unknown-reply", Stop::kCrashed, "unknown reply 99"},
+                      Case{"unknown-stop", Stop::kCrashed, "stop code 77"},
+                      Case{"wrong-watermark", Stop::kCrashed, "watermark 50"},
+                      Case{"late-watermark", Stop::kCrashed, "watermark 101"},
+                      Case{"too-many", Stop::kCrashed, "more events"},
+                      Case{"fewer-than-said", Stop::kCrashed, "too short"},
+                      Case{"descending", Stop::kCrashed, "ascend"}, Case{"beyond", Stop::kCrashed, "ascend"},
+                      Case{"contradiction", Stop::kCrashed, "contradict"},
+                      Case{"back-at-once", Stop::kCrashed, "a pin changes twice at tick 8"},
+                      Case{"left-over", Stop::kCrashed, "left over"}));
 
 std::string openingFault(const ChildSourceOptions& options) {
   try {

@@ -115,6 +115,7 @@ int main() {
   if (is("descending")) head(KB_PS_REACHED, 100, 2), event(9, 1, 1), event(8, 1, 0), tail();
   if (is("beyond")) head(KB_PS_REACHED, 100, 1), event(101, 1, 1), tail();
   if (is("contradiction")) head(KB_PS_REACHED, 100, 2), event(8, 1, 1), event(9, 2, 2), tail();
+  if (is("back-at-once")) head(KB_PS_REACHED, 100, 2), event(8, 1, 1), event(8, 1, 0), tail();
   if (is("left-over")) {
     head(KB_PS_REACHED, 100, 0);
     put(std::uint32_t{0});

@@ -144,6 +144,16 @@ TEST_F(Mcs51Child, BytesWithoutAPauseAreMisheardByAReceiverOfElevenBits) {
   EXPECT_THAT(made.message, HasSubstr("listens for bytes of 11 bits"));
 }
 
+TEST_F(Mcs51Child, WhereNobodyListensTheUartMayRunAsItLikes) {
+  Program p;
+  p.mov(kTmod, 0x20).mov(kTh1, 0xFD).mov(kTl1, 0xFD).mov(kScon, 0xC0).setb(kTr1).mov(kSbuf, 0x41).halt();
+  auto asked = options(p);
+  asked.baud = 0;
+  const auto made = runSource(*openChild(asked), 20 * kMs51, kMs51);
+  EXPECT_EQ(made.stop, Stop::kReached) << made.message;
+  EXPECT_EQ(made.uart, "A");
+}
+
 /// P1.0 follows P3.3, which is written to again and again; INT0 inverts P1.2.
 Program follower() {
   Program p;
@@ -189,6 +199,51 @@ TEST_F(Mcs51Child, APinThatTheControllerLacksEndsTheRunInWords) {
   Batch batch;
   EXPECT_EQ(source->advance(kMs51, batch), Stop::kCrashed);
   EXPECT_THAT(source->message(), HasSubstr("no pin P4.0"));
+}
+
+// The bench reads answers to quanta that were asked for together, and they are those to single ones.
+TEST_F(Mcs51Child, WhatIsForeseenMayBeAskedForAtOnce) {
+  const Tick quantum = kMs51 / 2;
+  const auto runOnce = [&](bool is_foreseen) {
+    const auto source = openChild(options(follower()));
+    const Tick press = 40 * quantum + 7;
+    return runSource(*source, 100 * quantum, quantum, [&](Tick until) {
+      if (until == 41 * quantum) source->drive({3, 3}, false, press);
+      if (is_foreseen) source->foresee(quantum, (until <= 40 * quantum ? 40 : 100) * quantum);
+    });
+  };
+  const auto in_turns = runOnce(false);
+  const auto ahead = runOnce(true);
+  EXPECT_EQ(ahead.stop, Stop::kReached) << ahead.message;
+  EXPECT_EQ(ahead.events, in_turns.events);
+  EXPECT_EQ(edgesOf(ahead.events, {1, 0}, false).size(), 1U);
+}
+
+TEST_F(Mcs51Child, InputsForAForeseenTimeAreRefused) {
+  const auto source = openChild(options(follower()));
+  source->foresee(kMs51, 5 * kMs51);
+  Batch batch;
+  EXPECT_EQ(source->advance(kMs51, batch), Stop::kReached);
+  EXPECT_THROW(source->drive({3, 3}, false, 5 * kMs51), std::invalid_argument);
+  EXPECT_THROW(source->uartWrite(bytesOf("?")), std::invalid_argument);
+  EXPECT_THROW(source->advance(kMs51 + 1, batch), std::invalid_argument);
+  source->drive({3, 3}, false, 5 * kMs51 + 1);
+  for (Tick until = 2 * kMs51; until <= 6 * kMs51; until += kMs51)
+    EXPECT_EQ(source->advance(until, batch), Stop::kReached);
+  EXPECT_EQ(edgesOf(batch.events, {1, 0}, false).size(), 1U);
+}
+
+// A crash amid quanta that were asked for together ends the run where it is.
+TEST_F(Mcs51Child, ARunAheadEndsWhereTheFirmwareDoes) {
+  Program p;
+  p.put({0x78, 0x04, 0x79, 0x00}).djnzR(1, 4).djnzR(0, 4).put({0xA5});  // R0 turns of 256 by two cycles
+  const auto source = openChild(options(p));
+  source->foresee(1000, 100'000);
+  const auto ahead = runSource(*source, 100'000, 1000);
+  const auto in_turns = run(p, 100'000, 1000);
+  EXPECT_EQ(ahead.stop, Stop::kCrashed);
+  EXPECT_EQ(ahead.message, in_turns.message);
+  EXPECT_EQ(ahead.events, in_turns.events);
 }
 
 TEST_F(Mcs51Child, AFloodOfEdgesIsStopped) {
