@@ -15,6 +15,12 @@ TEST_F(Mcs51Release, OneLabelPasses) {
   const ProgramRun one = runOneUnit("mcs51/label-on-belt");
   EXPECT_EQ(one.exit_code, 0) << one.output;
 }
+// At this instant the main loop is busy, and an interrupt that only hands the guard on is too late.
+TEST_F(Mcs51Release, AnOpenGuardDarkensTheLaserInTime) {
+  const ProgramRun one = runOneUnit("safe/interlock-mcs51");
+  EXPECT_EQ(one.exit_code, 0) << one.output;
+  EXPECT_THAT(one.output, testing::HasSubstr("PASS       safe_state"));
+}
 TEST_F(Mcs51Release, DirLateFailsByPulseTiming) {
   expectFailure(runOneUnit("faults/dir-late-mcs51"), "dir-late", "pulse_timing");
 }
