@@ -14,7 +14,7 @@ Tick roundedUp(Tick tick, unsigned cycle) { return (tick + cycle - 1) / cycle * 
 
 }  // namespace
 
-Chip::Chip(const Part& part, std::vector<std::uint8_t> code, std::size_t max_events)
+Chip::Chip(const Part& part, const std::vector<std::uint8_t>& code, std::size_t max_events)
     : part_(part),
       clocks_(part.clocks()),
       ports_(part, max_events),
@@ -23,7 +23,7 @@ Chip::Chip(const Part& part, std::vector<std::uint8_t> code, std::size_t max_eve
       uart_(part, sfrs_, interrupts_, ports_, timers_),
       sampler_(part.cycle()),
       cpu_(part, sfrs_, *this) {
-  cpu_.load(std::move(code));
+  cpu_.load(code);
   reset(1);
 }
 

@@ -25,7 +25,7 @@ namespace kerfbench::mcs51_child {
 class Chip : private Peripherals {
  public:
   /// `code` has the size of the part's code memory. Power comes at tick 0; ports show it at tick 1.
-  Chip(const Part& part, std::vector<std::uint8_t> code, std::size_t max_events);
+  Chip(const Part& part, const std::vector<std::uint8_t>& code, std::size_t max_events);
 
   /// Carries out the next instruction, and those behind it until one ends at `limit` or later, or settle()
   /// has something to do; an idle controller waits.
