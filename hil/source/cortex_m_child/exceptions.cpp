@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 #include "hil/source/cortex_m_child/exceptions.h"
 
 #include <cstring>
@@ -12,7 +12,7 @@ constexpr Cycle kTailChainCycles = 5, kReturnCycles = 11;  // A cycle more is th
 constexpr unsigned kStackPointer = 13, kLink = 14;
 constexpr std::uint32_t kFrameBytes = 32, kThumb = 1U << 24, kAligned = 1U << 9;
 constexpr std::uint32_t kToHandler = 0xFFFFFFF1, kToThread = 0xFFFFFFF9, kToProcess = 0xFFFFFFFD;
-constexpr std::uint32_t kFlagMask = 0xF8000000, kExceptionMask = 0x1FF;
+constexpr std::uint32_t kExceptionMask = 0x1FF;
 constexpr std::uint32_t kForced = 1U << 30;  // HFSR
 
 }  // namespace
@@ -32,7 +32,7 @@ void ExceptionUnit::reset() {
   for (unsigned i = 0; i < kStackPointer; ++i) core_.set(i, 0);
   core_.set(kStackPointer, stack & ~3U);
   core_.set(kLink, 0xFFFFFFFF);
-  core_.setFlags(kThumb);
+  core_.setFlags(0);
   core_.jump(start);
 }
 
@@ -101,7 +101,7 @@ bool ExceptionUnit::push(std::uint32_t return_address) {
   const auto scratch = core_.scratch();
   std::memcpy(words, scratch.data(), sizeof scratch);
   words[6] = return_address;
-  words[7] = (core_.flags() & kFlagMask) | kThumb | (is_padded ? kAligned : 0U) | ipsr_;
+  words[7] = core_.flags() | core_.ifThen() | kThumb | (is_padded ? kAligned : 0U) | ipsr_;
   std::memcpy(sram_.data() + (frame - kSramBase), words, sizeof words);
   core_.set(kStackPointer, frame);
   return true;
@@ -140,10 +140,11 @@ bool ExceptionUnit::pop(std::uint32_t exception_return) {
   std::memcpy(words, sram_.data() + (frame - kSramBase), sizeof words);
   core_.setScratch({words[0], words[1], words[2], words[3], words[4], words[5]});
   core_.set(kStackPointer, frame + kFrameBytes + ((words[7] & kAligned) != 0 ? 4U : 0U));
-  core_.setFlags((words[7] & kFlagMask) | kThumb);
+  core_.setFlags(words[7]);
   ipsr_ = words[7] & kExceptionMask;
   control_register_ = (control_register_ & 1U) | (on_process_stack_ ? 2U : 0U);
   core_.jump(words[6]);
+  core_.setIfThen(words[7]);
   if ((exception_return == kToHandler) != (ipsr_ != 0)) {
     crash("a return from an exception finds a damaged frame at " + hex32(frame));
     return false;
@@ -175,9 +176,8 @@ void ExceptionUnit::fault(unsigned exception, std::uint32_t status, const std::s
 }
 
 void ExceptionUnit::goOnBehind(std::uint32_t bytes) {
-  const std::uint32_t next = core_.pc() + bytes;
   present_.cycle += 1;
-  core_.continueAt(next);
+  core_.continueBehind(bytes);
 }
 
 void ExceptionUnit::executeTrap() {
@@ -231,10 +231,10 @@ std::uint32_t ExceptionUnit::readSpecial(unsigned number) const {
   switch (number) {
     case 0:
     case 2:
-      return core_.flags() & kFlagMask;
+      return core_.flags();
     case 1:
     case 3:
-      return (core_.flags() & kFlagMask) | ipsr_;
+      return core_.flags() | ipsr_;
     case 5:
     case 7:
       return ipsr_;
@@ -283,7 +283,7 @@ void ExceptionUnit::writeSpecial(unsigned number, unsigned mask, std::uint32_t v
       setControl(value);
       break;
     default:
-      if (number <= 3 && (mask & 2U) != 0) core_.setFlags((value & kFlagMask) | kThumb);
+      if (number <= 3 && (mask & 2U) != 0) core_.setFlags(value);
       break;
   }
 }

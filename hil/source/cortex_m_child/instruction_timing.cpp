@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 #include "hil/source/cortex_m_child/instruction_timing.h"
 
 #include <bit>
@@ -13,20 +13,17 @@ Timing plain(unsigned cycles, std::uint8_t flags = 0) {
   return {static_cast<std::uint8_t>(cycles), Timing::kNoRegister, Timing::kNoRegister, flags};
 }
 
-Timing load(unsigned target, unsigned base, std::uint8_t flags = 0) {
-  return {2, static_cast<std::uint8_t>(target), static_cast<std::uint8_t>(base),
-          static_cast<std::uint8_t>(Timing::kPipelines | flags)};
+Timing load(unsigned target, unsigned base) {
+  return {2, static_cast<std::uint8_t>(target), static_cast<std::uint8_t>(base), Timing::kPipelines};
 }
 
 /// A store whose offset is a number takes one cycle: the write is done while the next instruction runs.
 Timing store(unsigned base, bool has_register_offset) {
-  if (!has_register_offset) return plain(1, Timing::kStores);
-  return {2, Timing::kNoRegister, static_cast<std::uint8_t>(base), Timing::kPipelines | Timing::kStores};
+  if (!has_register_offset) return plain(1);
+  return {2, Timing::kNoRegister, static_cast<std::uint8_t>(base), Timing::kPipelines};
 }
 
-Timing several(unsigned registers, std::uint8_t flags) {
-  return plain(1 + static_cast<unsigned>(std::popcount(registers)), flags);
-}
+Timing several(unsigned registers) { return plain(1 + static_cast<unsigned>(std::popcount(registers))); }
 
 Timing hint(unsigned operation) {
   const bool sleeps_or_wakes = operation >= 2 && operation <= 4;
@@ -34,11 +31,8 @@ Timing hint(unsigned operation) {
 }
 
 Timing miscellaneous16(std::uint32_t code) {
-  if ((code & 0xFF00U) == 0xBF00U)
-    return (code & 0xFU) != 0 ? plain(1, Timing::kIfThen) : hint(code >> 4 & 0xFU);
-  if ((code & 0xFE00U) == 0xB400U) return several(code & 0x1FFU, Timing::kStores);
-  if ((code & 0xFE00U) == 0xBC00U)
-    return several(code & 0x1FFU, (code & 0x100U) != 0 ? Timing::kIndirect : 0);
+  if ((code & 0xFF0FU) == 0xBF00U) return hint(code >> 4 & 0xFU);
+  if ((code & 0xF600U) == 0xB400U) return several(code & 0x1FFU);
   if ((code & 0xFFE0U) == 0xB660U || (code & 0xFF00U) == 0xBE00U) return plain(1, Timing::kTrap);
   return plain(1);
 }
@@ -46,24 +40,22 @@ Timing miscellaneous16(std::uint32_t code) {
 Timing timing16(std::uint32_t code) {
   const unsigned low = code & 7U;
   const unsigned base = code >> 3 & 7U;
+  const bool is_load = (code & 0x0800U) != 0;
   switch (code >> 12) {
     case 4:
-      if ((code & 0x0800U) != 0) return load(code >> 8 & 7U, Timing::kNoRegister, Timing::kLiteral);
-      if ((code & 0xFF00U) == 0x4700U) return plain(1, Timing::kIndirect);
-      if ((code & 0xFD87U) == 0x4487U) return plain(1, Timing::kIndirect);  // ADD or MOV to the PC.
-      return plain(1);
+      return is_load ? load(code >> 8 & 7U, Timing::kNoRegister) : plain(1);
     case 5:
       return (code >> 9 & 7U) < 3 ? store(base, true) : load(low, base);
     case 6:
     case 7:
     case 8:
-      return (code & 0x0800U) == 0 ? store(base, false) : load(low, base);
+      return is_load ? load(low, base) : store(base, false);
     case 9:
-      return (code & 0x0800U) == 0 ? store(13, false) : load(code >> 8 & 7U, 13);
+      return is_load ? load(code >> 8 & 7U, 13) : store(13, false);
     case 11:
       return miscellaneous16(code);
     case 12:
-      return several(code & 0xFFU, (code & 0x0800U) != 0 ? 0 : Timing::kStores);
+      return several(code & 0xFFU);
     case 13:
       return plain(1, (code & 0xFF00U) == 0xDF00U ? Timing::kTrap : 0);
     default:
@@ -72,13 +64,9 @@ Timing timing16(std::uint32_t code) {
 }
 
 Timing tableOrDual(std::uint32_t first, std::uint32_t second) {
-  if ((first & 0xFFF0U) == 0xE8D0U && (second & 0xFFE0U) == 0xF000U) return plain(2, Timing::kIndirect);
+  if ((first & 0xFFF0U) == 0xE8D0U && (second & 0xFFE0U) == 0xF000U) return plain(2);
   const bool is_exclusive = (first & 0x0120U) == 0;
-  const bool is_literal = (first & 0x001FU) == 0x001FU;
-  // Exclusive loads are counted as stores: what they reserve is no register.
-  const bool is_load = !is_exclusive && (first & 0x0010U) != 0;
-  const std::uint8_t effect = is_load ? 0 : Timing::kStores;
-  return plain(is_exclusive ? 2 : 3, static_cast<std::uint8_t>(effect | (is_literal ? Timing::kLiteral : 0)));
+  return plain(is_exclusive ? 2 : 3);
 }
 
 Timing control(std::uint32_t first, std::uint32_t second) {
@@ -96,9 +84,7 @@ Timing single(std::uint32_t first, std::uint32_t second) {
   if ((first & 0x0010U) == 0) return store(base, !has_number);
   const bool is_word = (first & 0x0060U) == 0x0040U;
   if (target == kPc && !is_word) return plain(1);  // PLD
-  Timing timing = load(target, base, base == kPc ? Timing::kLiteral : 0);
-  if (target == kPc) timing.flags |= Timing::kIndirect;
-  return timing;
+  return load(target, base);
 }
 
 Timing multiply(std::uint32_t first, std::uint32_t second) {
@@ -108,7 +94,7 @@ Timing multiply(std::uint32_t first, std::uint32_t second) {
 }
 
 Timing timing32(std::uint32_t first, std::uint32_t second) {
-  if ((first & 0xFE40U) == 0xE800U) return several(second, (first & 0x0010U) != 0 && (second & 0x8000U) != 0);
+  if ((first & 0xFE40U) == 0xE800U) return several(second);
   if ((first & 0xFE40U) == 0xE840U) return tableOrDual(first, second);
   if ((first & 0xF800U) == 0xF000U) return (second & 0x8000U) != 0 ? control(first, second) : plain(1);
   if ((first & 0xFE00U) == 0xF800U) return single(first, second);
@@ -119,13 +105,7 @@ Timing timing32(std::uint32_t first, std::uint32_t second) {
 }  // namespace
 
 Timing timingOf(std::uint16_t first, std::uint16_t second) {
-  Timing timing = isWide(first) ? timing32(first, second) : timing16(first);
-  timing.flags |= Timing::kKnown;
-  return timing;
-}
-
-unsigned instructionsOfIfThen(std::uint16_t instruction) {
-  return 4U - static_cast<unsigned>(std::countr_zero(instruction & 0xFU));
+  return isWide(first) ? timing32(first, second) : timing16(first);
 }
 
 }  // namespace kerfbench::cortex_m_child

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,10 @@ namespace kerfbench::cortex_m_child {
 /// division.
 struct Timing {
   static constexpr std::uint8_t kNoRegister = 0xFF;
-  /// Decoded already.
-  static constexpr std::uint8_t kKnown = 1;
-  /// Carried out by the exception unit and not by Unicorn: MRS, MSR, CPS, SVC, BKPT, WFI, WFE, SEV.
-  static constexpr std::uint8_t kTrap = 2;
-  static constexpr std::uint8_t kIfThen = 4;
+  /// Carried out by the exception unit, which adds its cycles: MRS, MSR, CPS, SVC, BKPT, WFI, WFE, SEV.
+  static constexpr std::uint8_t kTrap = 1;
   /// Follows a load in the next cycle, unless it needs what that loads for its address.
-  static constexpr std::uint8_t kPipelines = 8;
-  /// Reads from beside the code.
-  static constexpr std::uint8_t kLiteral = 16;
-  /// A branch, should it be taken, to where only a register says.
-  static constexpr std::uint8_t kIndirect = 32;
-
-  /// Changes memory.
-  static constexpr std::uint8_t kStores = 64;
+  static constexpr std::uint8_t kPipelines = 2;
 
   std::uint8_t cycles{1};
   std::uint8_t loads{kNoRegister};  ///< The register that a single load fills.
@@ -39,8 +29,5 @@ struct Timing {
 
 /// The timing of an instruction; `second` counts only where isWide(first).
 [[nodiscard]] Timing timingOf(std::uint16_t first, std::uint16_t second);
-
-/// Instructions that an IT with this low nibble makes conditional: 1 to 4.
-[[nodiscard]] unsigned instructionsOfIfThen(std::uint16_t instruction);
 
 }  // namespace kerfbench::cortex_m_child

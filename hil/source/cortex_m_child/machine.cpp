@@ -1,8 +1,9 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 #include "hil/source/cortex_m_child/machine.h"
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "hil/source/cortex_m_child/image.h"
 
@@ -14,7 +15,9 @@ constexpr double kReset_s = 20e-6;              // Shortest pulse of NRST that a
 constexpr double kClockSetUp_s = 20e-3;         // Longer than the oscillators' and the PLL's start.
 constexpr unsigned kPinReset = 26, kPowerReset = 27, kSoftwareReset = 28, kWatchdogReset = 29;  // RCC_CSR
 constexpr std::uint64_t kMostClock_hz = 100'000'000;
-constexpr std::uint32_t kPreciseBus = 1U << 9;
+// Bits of CFSR.
+constexpr std::uint32_t kInstructionBus = 1U << 8, kPreciseBus = 1U << 9, kUndefinedInstruction = 1U << 16,
+                        kInvalidState = 1U << 17, kUnalignedAccess = 1U << 24, kDivisionByZero = 1U << 25;
 
 /// Whether this is a register of a port: what is written there has no event of its own.
 bool isPort(std::uint32_t address) { return address >= 0x40010800 && address < 0x40012400; }
@@ -170,6 +173,7 @@ void Machine::reset(unsigned cause) {
   }
   systick_.reset();
   nvic_.reset();
+  core_.setTraps(false, false);
   rcc_.recordReset(cause);
   rcc_.recordReset(kPinReset);
   clock_is_due_ = false;
@@ -197,11 +201,7 @@ void Machine::checkClock() {
 emulator::Clock Machine::clock() const { return {1, asked_.clock_hz, kStampErrorTicks}; }
 
 std::string Machine::configuration() const {
-  unsigned version_major = 0;
-  unsigned version_minor = 0;
-  (void)uc_version(&version_major, &version_minor);
-  return "Unicorn " + std::to_string(version_major) + "." + std::to_string(version_minor) +
-         ", Cortex-M3 with own exceptions and devices; cycles by instruction class, pipeline, flash lines; "
+  return "Cortex-M3; cycles by instruction class, pipeline, flash lines; "
          "HSE 8 MHz, LSI 40 kHz; mcu " +
          asked_.mcu + " at " + std::to_string(asked_.clock_hz) + " Hz, " + std::to_string(asked_.baud) +
          " baud";
@@ -281,8 +281,8 @@ void Machine::advanceTo(Cycle cycle) {
 }
 
 void Machine::refreshLimit() {
-  const bool must_stop = bad_access_ || !present_.failure.empty() || !present_.misheard.empty() ||
-                         pins_.flooded() || (nvic_.takeNews() && nvic_.next());
+  const bool must_stop = !present_.failure.empty() || !present_.misheard.empty() || pins_.flooded() ||
+                         (nvic_.takeNews() && nvic_.next());
   core_.setLimit(must_stop ? 0 : std::min({end_, next_device_event_, next_input_}));
 }
 
@@ -291,40 +291,42 @@ void Machine::findEvents() {
   next_input_ = findInput();
 }
 
-void Machine::badAccess(std::uint32_t address, const std::string& what) {
-  if (bad_access_) return;
-  bad_access_ = {core_.pc(), address, what};
-}
-
-std::uint32_t Machine::readDevice(std::uint32_t address, unsigned bytes) {
+std::optional<std::uint32_t> Machine::readDevice(std::uint32_t address, unsigned bytes) {
   present_.cycle += bus_.waitCycles(address);
   runDevicesTo(present_.cycle);
   control_.setCurrent(exceptions_.currentException());
   const auto value = bus_.read(address, bytes);
-  if (!value) badAccess(address, "it reads " + hex32(address) + ", where there is no device");
+  if (!value) bad_access_ = "it reads " + hex32(address) + ", where there is no device";
   if (address < kSystemBase && !isPort(address)) next_input_ = findInput();  // A USART may be ready again.
   refreshLimit();
-  return value.value_or(0);
+  return value;
 }
 
-void Machine::writeDevice(std::uint32_t address, unsigned bytes, std::uint32_t value) {
+bool Machine::writeDevice(std::uint32_t address, unsigned bytes, std::uint32_t value) {
   present_.cycle += bus_.waitCycles(address);
   runDevicesTo(present_.cycle);
   for (const auto& timer : timers_) {
     // A change of the clocks counts from here on.
     if (address - 0x40021000U < 0x400U) timer->runTo(present_.cycle);
   }
-  if (!bus_.write(address, bytes, value))
-    badAccess(address, "it writes to " + hex32(address) + ", where there is no device");
+  const bool is_done = bus_.write(address, bytes, value);
+  if (!is_done) bad_access_ = "it writes to " + hex32(address) + ", where there is no device";
+  if (address - kSramAliasBase < 32 * sram_.size())
+    core_.forgetCode(kSramBase + (address - kSramAliasBase) / 32, 1);
+  if (address >= kSystemBase) core_.setTraps(control_.trapsUnaligned(), control_.trapsDivision());
   onClock();
   if (!isPort(address)) findEvents();
   refreshLimit();
+  return is_done;
 }
 
-void Machine::writeFlash(std::uint32_t offset, unsigned bytes, std::uint32_t value) {
-  if (!flash_interface_.program(offset, bytes, value))
-    badAccess(kFlashBase + offset,
-              "it writes other than a half-word to the flash, at " + hex32(kFlashBase + offset));
+bool Machine::writeFlash(std::uint32_t offset, unsigned bytes, std::uint32_t value) {
+  if (flash_interface_.program(offset, bytes, value)) {
+    core_.setLimit(0);  // Much time has passed.
+    return true;
+  }
+  bad_access_ = "it writes other than a half-word to the flash, at " + hex32(kFlashBase + offset);
+  return false;
 }
 
 void Machine::sleepTo(Cycle end) {
@@ -337,35 +339,40 @@ void Machine::sleepTo(Cycle end) {
 
 void Machine::runCore() {
   refreshLimit();
-  switch (core_.run()) {
-    case Core::Stop::kLimit:
+  switch (const Stop stop = core_.run()) {
+    case Stop::kLimit:
       break;
-    case Core::Stop::kTrap:
+    case Stop::kTrap:
       exceptions_.executeTrap();
       break;
-    case Core::Stop::kExceptionExit:
-      exceptions_.returnFrom(core_.exceptionReturn());
+    case Stop::kExceptionExit:
+      exceptions_.returnFrom(core_.faultAddress());
       break;
-    case Core::Stop::kUndefined:
-      exceptions_.fault(kUsageFault, 1U << 16,
-                        "the instruction " + hex32(core_.halfWord(core_.pc()).value_or(0)).replace(2, 4, "") +
-                            " does not exist, or leads out of Thumb");
-      break;
-    case Core::Stop::kBadFetch:
-      exceptions_.fault(kBusFault, 1U << 8,
-                        "it goes to " + hex32(core_.faultAddress()) + ", where nothing can be executed");
-      break;
-    case Core::Stop::kBadAccess:
-      exceptions_.fault(kBusFault, kPreciseBus,
-                        "it accesses " + hex32(core_.faultAddress()) + ", where there is no memory",
-                        core_.faultAddress());
+    default:
+      fault(stop);
       break;
   }
-  if (!bad_access_) return;
-  const BadAccess bad = *bad_access_;
-  bad_access_.reset();
-  core_.continueAt(bad.pc);
-  exceptions_.fault(kBusFault, kPreciseBus, bad.what, bad.address);
+}
+
+void Machine::fault(Stop stop) {
+  const std::uint32_t address = core_.faultAddress();
+  const std::string where = hex32(address);
+  if (stop == Stop::kBadFetch) {
+    exceptions_.fault(kBusFault, kInstructionBus, "it goes to " + where + ", where nothing can be executed");
+  } else if (stop == Stop::kBadAccess) {
+    const std::string what = std::exchange(bad_access_, {});
+    exceptions_.fault(kBusFault, kPreciseBus,
+                      what.empty() ? "it accesses " + where + ", where there is no memory" : what, address);
+  } else if (stop == Stop::kUnaligned) {
+    exceptions_.fault(kUsageFault, kUnalignedAccess, "it accesses " + where + ", which is not aligned");
+  } else if (stop == Stop::kDivisionByZero) {
+    exceptions_.fault(kUsageFault, kDivisionByZero, "it divides by zero");
+  } else if (stop == Stop::kNotThumb) {
+    exceptions_.fault(kUsageFault, kInvalidState, "it jumps to an even address, which leads out of Thumb");
+  } else {
+    const std::string code = hex32(core_.halfWord(core_.pc()).value_or(0)).replace(2, 4, "");
+    exceptions_.fault(kUsageFault, kUndefinedInstruction, "the instruction " + code + " does not exist");
+  }
 }
 
 void Machine::step(Cycle end) {

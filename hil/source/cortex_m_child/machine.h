@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -54,9 +54,9 @@ class Machine final : public emulator::Emulator, private CoreBus, private Device
     bool level{};
   };
 
-  std::uint32_t readDevice(std::uint32_t address, unsigned bytes) override;
-  void writeDevice(std::uint32_t address, unsigned bytes, std::uint32_t value) override;
-  void writeFlash(std::uint32_t offset, unsigned bytes, std::uint32_t value) override;
+  std::optional<std::uint32_t> readDevice(std::uint32_t address, unsigned bytes) override;
+  bool writeDevice(std::uint32_t address, unsigned bytes, std::uint32_t value) override;
+  bool writeFlash(std::uint32_t offset, unsigned bytes, std::uint32_t value) override;
   void runDevicesTo(Cycle cycle) override;
 
   void addDevices();
@@ -72,10 +72,10 @@ class Machine final : public emulator::Emulator, private CoreBus, private Device
   void feedInput();
   void advanceTo(Cycle cycle);
   void refreshLimit();
-  void badAccess(std::uint32_t address, const std::string& what);
   void step(Cycle end);
   void sleepTo(Cycle end);
   void runCore();
+  void fault(Stop stop);
   [[nodiscard]] bool hasEnded(emulator::RunResult& result);
 
   emulator::OpenRequest asked_;
@@ -111,12 +111,7 @@ class Machine final : public emulator::Emulator, private CoreBus, private Device
   Cycle next_device_event_{};  ///< The earliest of all devices; at most too early.
   Cycle next_input_{};
   Cycle end_{};
-  struct BadAccess {
-    std::uint32_t pc{};
-    std::uint32_t address{};
-    std::string what;
-  };
-  std::optional<BadAccess> bad_access_;
+  std::string bad_access_;  ///< What was wrong with an access, where there is more to say than the address.
   bool has_halted_{};
 };
 

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "hil/source/cortex_m_child/device.h"
@@ -19,6 +19,8 @@ class SystemControl final : public Device {
 
   [[nodiscard]] std::uint32_t vectorTable() const { return vector_table_; }
   [[nodiscard]] bool alignsStack() const { return (configuration_ & 0x200U) != 0; }
+  [[nodiscard]] bool trapsUnaligned() const { return (configuration_ & 8U) != 0; }
+  [[nodiscard]] bool trapsDivision() const { return (configuration_ & 0x10U) != 0; }
   [[nodiscard]] bool sleepsOnExit() const { return (sleep_ & 2U) != 0; }
   [[nodiscard]] bool eventOnPending() const { return (sleep_ & 0x10U) != 0; }
   void setCurrent(unsigned exception) { current_ = exception; }

@@ -33,8 +33,6 @@ inline ChildSourceOptions optionsFor(std::string_view firmware) {
 class CortexM : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(KERFBENCH_CORTEX_M_CHILD))
-      GTEST_SKIP() << "kerfbench-cortex-m was not built: libunicorn-dev is missing";
     if (!std::filesystem::exists(optionsFor("pulses").image))
       GTEST_SKIP() << "the images were not built: arm-none-eabi-gcc is missing";
   }

@@ -192,7 +192,7 @@ TEST_F(CortexMImage, SourceSaysWhatARerunNeeds) {
   const auto info = openChild(optionsFor("pulses"))->info();
   EXPECT_EQ(info.rate, (TickRate{1, 72'000'000}));
   EXPECT_GT(info.stamp_err_ticks, 0U);
-  EXPECT_THAT(info.config_id, AllOf(HasSubstr("Unicorn"), HasSubstr("stm32f103c8"), HasSubstr("HSE 8 MHz"),
+  EXPECT_THAT(info.config_id, AllOf(HasSubstr("Cortex-M3"), HasSubstr("stm32f103c8"), HasSubstr("HSE 8 MHz"),
                                     HasSubstr("sha256")));
 }
 
