@@ -38,6 +38,7 @@ std::uint64_t CoreTime::tickOf(Cycle cycle) const {
 
 Cycle CoreTime::cycleAt(std::uint64_t tick) const {
   if (tick <= base_tick_) return base_cycle_;
+  if (ticks_ == cycles_) return base_cycle_ + (tick - base_tick_);
   const Wide parts = static_cast<Wide>(tick - base_tick_) * cycles_ - base_part_;
   return base_cycle_ + static_cast<Cycle>((parts + ticks_ - 1) / ticks_);
 }

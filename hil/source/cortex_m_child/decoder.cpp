@@ -190,7 +190,7 @@ void decode(Processor& p, Operation& op) { decodeAs(p, op, 0); }
 
 Operation* resumeIfThen(Processor& p) {
   decodeBlock(p, p.blocks.data(), p.pc, p.if_then);
-  p.blocks.front().shift = 0;  // Its line is fetched when the core goes on.
+  p.blocks.front().shift = 0;  // The line is fetched when the core goes on.
   p.owed_lines = 0;
   p.if_then = 0;
   return p.blocks.data();

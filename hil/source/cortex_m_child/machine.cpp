@@ -314,8 +314,10 @@ bool Machine::writeDevice(std::uint32_t address, unsigned bytes, std::uint32_t v
   if (address - kSramAliasBase < 32 * sram_.size())
     core_.forgetCode(kSramBase + (address - kSramAliasBase) / 32, 1);
   if (address >= kSystemBase) core_.setTraps(control_.trapsUnaligned(), control_.trapsDivision());
-  onClock();
-  if (!isPort(address)) findEvents();
+  if (!isPort(address)) {
+    onClock();
+    findEvents();
+  }
   refreshLimit();
   return is_done;
 }

@@ -27,7 +27,8 @@ std::uint32_t firstAddress(const Processor& p, const Operation* at, unsigned byt
 bool readWords(Processor& p, const Operation* at, std::uint32_t address, unsigned bytes,
                std::uint32_t* words) {
   if (isWithinSram(p, address, bytes)) {
-    std::memcpy(words, p.sram + (address - kSramBase), bytes);
+    const std::uint8_t* const from = p.sram + (address - kSramBase);
+    for (unsigned done = 0; done < bytes; done += 4) std::memcpy(&words[done / 4], from + done, 4);
     return true;
   }
   for (unsigned done = 0; done < bytes; done += 4) {
@@ -42,7 +43,8 @@ bool writeWords(Processor& p, const Operation* at, std::uint32_t address, unsign
                 const std::uint32_t* words) {
   p.has_effect = true;
   if (isWithinSram(p, address, bytes)) {
-    std::memcpy(p.sram + (address - kSramBase), words, bytes);
+    std::uint8_t* const to = p.sram + (address - kSramBase);
+    for (unsigned done = 0; done < bytes; done += 4) std::memcpy(to + done, &words[done / 4], 4);
     p.forgetCode(address, bytes);
     return true;
   }

@@ -2,12 +2,25 @@
 #include "hil/source/cortex_m_child/nvic.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace kerfbench::cortex_m_child {
 namespace {
 
 constexpr int kThreadPriority = 256;
 constexpr std::uint8_t kImplementedBits = 0xF0;
+
+/// The next exception of a set behind a number; the size of the set where there is none.
+template <std::size_t kSize>
+unsigned nextOf(const std::bitset<kSize>& set, unsigned number) {
+  constexpr std::bitset<kSize> kLow(0xFFFFFFFF);
+  for (unsigned first = ++number; first < kSize; first = number) {
+    const auto word = static_cast<std::uint32_t>((set >> first & kLow).to_ulong());
+    if (word != 0) return first + static_cast<unsigned>(std::countr_zero(word));
+    number = first + 32;
+  }
+  return kSize;
+}
 
 }  // namespace
 
@@ -52,11 +65,8 @@ int Nvic::groupPriority(unsigned exception) const { return grouped(rawPriority(e
 
 int Nvic::executionPriority(bool with_primask) const {
   int priority = kThreadPriority;
-  if (active_.any()) {
-    for (unsigned i = 1; i < kExceptions; ++i) {
-      if (active_[i]) priority = std::min(priority, groupPriority(i));
-    }
-  }
+  for (unsigned i = nextOf(active_, 0); i < kExceptions; i = nextOf(active_, i))
+    priority = std::min(priority, groupPriority(i));
   if (basepri != 0) priority = std::min(priority, grouped(basepri));
   if (with_primask && primask) priority = std::min(priority, 0);
   if (faultmask) priority = std::min(priority, -1);
@@ -68,8 +78,8 @@ std::optional<unsigned> Nvic::foremost() const {
   const Flags candidates = pending_ & enabled_;
   std::optional<unsigned> best;
   if (candidates.none()) return best;
-  for (unsigned i = 1; i < kExceptions; ++i) {
-    if (candidates[i] && (!best || rawPriority(i) < rawPriority(*best))) best = i;
+  for (unsigned i = nextOf(candidates, 0); i < kExceptions; i = nextOf(candidates, i)) {
+    if (!best || rawPriority(i) < rawPriority(*best)) best = i;
   }
   return best;
 }

@@ -39,7 +39,7 @@ struct Operation {
   static constexpr std::uint8_t kUndecoded = 1;
   /// Lies behind an IT: nothing comes between the IT and it.
   static constexpr std::uint8_t kConditional = 2;
-  /// Its last half-word is in another line of the flash than the half-word before it.
+  /// The last half-word is in another line of the flash than the half-word before it.
   static constexpr std::uint8_t kCrosses = 4;
   /// Follows a load in the next cycle, unless it needs what that loads for its address.
   static constexpr std::uint8_t kPipelines = 8;

@@ -11,12 +11,23 @@ namespace {
 /// Half-words before a changed one whose operations may depend on it: an IT has up to four wide instructions.
 constexpr std::uint32_t kReachBack = 18;
 
+template <typename Value>
+std::uint32_t valueOf(const std::uint8_t* at) {
+  Value value{};
+  std::memcpy(&value, at, sizeof value);
+  return value;
+}
+
+/// A value of 1, 2 or 4 bytes.
+std::uint32_t valueAt(const std::uint8_t* at, unsigned bytes) {
+  if (bytes == 4) return valueOf<std::uint32_t>(at);
+  return bytes == 2 ? valueOf<std::uint16_t>(at) : *at;
+}
+
 template <typename Memory>
 std::optional<std::uint32_t> readFrom(const Memory& memory, std::uint32_t offset, unsigned bytes) {
   if (offset >= memory.size() || memory.size() - offset < bytes) return std::nullopt;
-  std::uint32_t value = 0;
-  std::memcpy(&value, memory.data() + offset, bytes);
-  return value;
+  return valueAt(memory.data() + offset, bytes);
 }
 
 }  // namespace

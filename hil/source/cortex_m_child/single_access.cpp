@@ -115,7 +115,7 @@ constexpr std::array<Handler, kAddresses - 1> stores() {
 }
 
 constexpr unsigned kByte = 0, kHalfWord = 1, kWord = 2;
-/// By size, with signed bytes and half-words behind.
+/// Loads by size, with those of signed bytes and half-words behind.
 constexpr std::array kLoads{loads<std::uint8_t>(), loads<std::uint16_t>(), loads<std::uint32_t>(),
                             loads<std::int8_t>(), loads<std::int16_t>()};
 constexpr auto kStackLoads = loads<std::uint32_t, Target::kStack>();

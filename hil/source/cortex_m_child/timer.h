@@ -90,8 +90,12 @@ class Timer final : public Device {
   void encode(unsigned channel, bool level);
 
   // timer_outputs.cpp
-  [[nodiscard]] std::uint32_t mode(unsigned channel) const;
-  [[nodiscard]] bool isInput(unsigned channel) const;
+  [[nodiscard]] std::uint32_t mode(unsigned channel) const {
+    return modes_[channel / 2] >> (8 * (channel % 2) + 4) & 7U;
+  }
+  [[nodiscard]] bool isInput(unsigned channel) const {
+    return (modes_[channel / 2] >> (8 * (channel % 2)) & 3U) != 0;
+  }
   [[nodiscard]] bool isPreloaded(unsigned channel) const;
   [[nodiscard]] bool isInverted(unsigned channel) const { return (enable_ >> (4 * channel + 1) & 1U) != 0; }
   void updateReference(unsigned channel, bool is_match);

@@ -11,12 +11,6 @@ constexpr unsigned kForcedLow = 4, kForcedHigh = 5, kPwm1 = 6, kPwm2 = 7;
 
 }  // namespace
 
-bool Timer::isInput(unsigned channel) const { return (modes_[channel / 2] >> (8 * (channel % 2)) & 3U) != 0; }
-
-std::uint32_t Timer::mode(unsigned channel) const {
-  return modes_[channel / 2] >> (8 * (channel % 2) + 4) & 7U;
-}
-
 bool Timer::isPreloaded(unsigned channel) const {
   return (modes_[channel / 2] >> (8 * (channel % 2) + 3) & 1U) != 0;
 }
