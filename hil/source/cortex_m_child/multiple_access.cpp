@@ -13,7 +13,11 @@ namespace {
 /// Bits of Operation::kind.
 constexpr std::uint8_t kDown = 1, kWritesBack = 2;
 
-unsigned bytesOf(const Operation* at) { return 4U * static_cast<unsigned>(std::popcount(at->number)); }
+/// What is accessed by LDM, STM, PUSH or POP; bytes in `shift`.
+void setList(Operation& op, std::uint32_t registers) {
+  op.number = registers;
+  op.shift = static_cast<std::uint8_t>(4 * std::popcount(registers));
+}
 
 bool isWithinSram(const Processor& p, std::uint32_t address, unsigned bytes) {
   const std::uint32_t offset = address - kSramBase;
@@ -59,36 +63,63 @@ void writeBack(Processor& p, const Operation* at, unsigned bytes) {
   p.r[at->n] += (at->kind & kDown) != 0 ? 0U - bytes : bytes;
 }
 
-/// LDM and POP.
-Stop loadSeveral(Processor& p, Operation* at, Cycle now) {
-  const unsigned bytes = bytesOf(at);
-  std::uint32_t words[16];
-  p.present.cycle = now;
-  const bool is_done = readWords(p, at, firstAddress(p, at, bytes), bytes, words);
-  now = p.present.cycle;
-  if (!is_done) return p.stopAt(at, now, p.failure);
-  writeBack(p, at, bytes);
-  const std::uint32_t* word = words;
-  for (std::uint32_t left = at->number & 0x7FFFU; left != 0; left &= left - 1)
-    p.r[static_cast<unsigned>(std::countr_zero(left))] = *word++;
+/// LDM and POP have loaded all registers but the PC, whose word this is.
+[[gnu::always_inline]] inline Stop goOn(Processor& p, Operation* at, Cycle now) {
   if ((at->number & 0x8000U) == 0) KERFBENCH_TAIL return next(p, at, now);
-  p.pc = *word;
   if (at->bytes == 4 && p.pc < kExceptionReturns) now -= 1;
   KERFBENCH_TAIL return jumpToPc(p, at, now);
 }
 
-/// STM and PUSH.
-Stop storeSeveral(Processor& p, Operation* at, Cycle now) {
-  const unsigned bytes = bytesOf(at);
+Stop loadSeveralElsewhere(Processor& p, Operation* at, Cycle now) {
+  std::uint32_t words[16];
+  p.present.cycle = now;
+  const bool is_done = readWords(p, at, firstAddress(p, at, at->shift), at->shift, words);
+  now = p.present.cycle;
+  if (!is_done) return p.stopAt(at, now, p.failure);
+  writeBack(p, at, at->shift);
+  const std::uint32_t* word = words;
+  for (std::uint32_t left = at->number & 0x7FFFU; left != 0; left &= left - 1)
+    p.r[static_cast<unsigned>(std::countr_zero(left))] = *word++;
+  if ((at->number & 0x8000U) != 0) p.pc = *word;
+  KERFBENCH_TAIL return goOn(p, at, now);
+}
+
+/// LDM and POP.
+Stop loadSeveral(Processor& p, Operation* at, Cycle now) {
+  const std::uint32_t first = firstAddress(p, at, at->shift);
+  if (!isWithinSram(p, first, at->shift)) [[unlikely]]
+    KERFBENCH_TAIL return loadSeveralElsewhere(p, at, now);
+  const std::uint8_t* from = p.sram + (first - kSramBase);
+  writeBack(p, at, at->shift);
+  for (std::uint32_t left = at->number & 0x7FFFU; left != 0; left &= left - 1, from += 4)
+    std::memcpy(&p.r[static_cast<unsigned>(std::countr_zero(left))], from, 4);
+  if ((at->number & 0x8000U) != 0) std::memcpy(&p.pc, from, 4);
+  KERFBENCH_TAIL return goOn(p, at, now);
+}
+
+Stop storeSeveralElsewhere(Processor& p, Operation* at, Cycle now) {
   std::uint32_t words[16];
   std::uint32_t* word = words;
   for (std::uint32_t left = at->number; left != 0; left &= left - 1)
     *word++ = p.r[static_cast<unsigned>(std::countr_zero(left))];
   p.present.cycle = now;
-  const bool is_done = writeWords(p, at, firstAddress(p, at, bytes), bytes, words);
+  const bool is_done = writeWords(p, at, firstAddress(p, at, at->shift), at->shift, words);
   now = p.present.cycle;
   if (!is_done) return p.stopAt(at, now, p.failure);
-  writeBack(p, at, bytes);
+  writeBack(p, at, at->shift);
+  KERFBENCH_TAIL return next(p, at, now);
+}
+
+/// STM and PUSH.
+Stop storeSeveral(Processor& p, Operation* at, Cycle now) {
+  const std::uint32_t first = firstAddress(p, at, at->shift);
+  if (!isWithinSram(p, first, at->shift) || p.sram_code_bytes != 0) [[unlikely]]
+    KERFBENCH_TAIL return storeSeveralElsewhere(p, at, now);
+  std::uint8_t* to = p.sram + (first - kSramBase);
+  for (std::uint32_t left = at->number; left != 0; left &= left - 1, to += 4)
+    std::memcpy(to, &p.r[static_cast<unsigned>(std::countr_zero(left))], 4);
+  p.has_effect = true;
+  writeBack(p, at, at->shift);
   KERFBENCH_TAIL return next(p, at, now);
 }
 
@@ -168,7 +199,7 @@ Stop storeExclusive(Processor& p, Operation* at, Cycle now) {
 
 bool buildPush(const Encoding& e, Operation& op) {
   op.n = kSp;
-  op.number = e['l'] << kLr | e['r'];
+  setList(op, e['l'] << kLr | e['r']);
   op.kind = kDown | kWritesBack;
   op.execute = &storeSeveral;
   return op.number != 0;
@@ -176,7 +207,7 @@ bool buildPush(const Encoding& e, Operation& op) {
 
 bool buildPop(const Encoding& e, Operation& op) {
   op.n = kSp;
-  op.number = e['p'] << kPc | e['r'];
+  setList(op, e['p'] << kPc | e['r']);
   op.kind = kWritesBack;
   op.execute = &loadSeveral;
   return op.number != 0 && (e['p'] == 0 || e.mayBranch());
@@ -184,7 +215,7 @@ bool buildPop(const Encoding& e, Operation& op) {
 
 bool buildStoreSeveral16(const Encoding& e, Operation& op) {
   op.n = e.reg('n');
-  op.number = e['r'];
+  setList(op, e['r']);
   op.kind = kWritesBack;
   op.execute = &storeSeveral;
   // A base that is not the first to be stored would be stored as an unknown value.
@@ -193,7 +224,7 @@ bool buildStoreSeveral16(const Encoding& e, Operation& op) {
 
 bool buildLoadSeveral16(const Encoding& e, Operation& op) {
   op.n = e.reg('n');
-  op.number = e['r'];
+  setList(op, e['r']);
   op.kind = (op.number >> op.n & 1U) == 0 ? kWritesBack : 0;
   op.execute = &loadSeveral;
   return op.number != 0;
@@ -202,7 +233,7 @@ bool buildLoadSeveral16(const Encoding& e, Operation& op) {
 template <bool kLoads, bool kIsDown>
 bool buildSeveral(const Encoding& e, Operation& op) {
   op.n = e.reg('n');
-  op.number = e['r'];
+  setList(op, e['r']);
   const bool writes_back = e['w'] != 0;
   op.kind = static_cast<std::uint8_t>((kIsDown ? kDown : 0) | (writes_back ? kWritesBack : 0));
   op.execute = kLoads ? &loadSeveral : &storeSeveral;
