@@ -66,7 +66,6 @@ void writeBack(Processor& p, const Operation* at, unsigned bytes) {
 /// LDM and POP have loaded all registers but the PC, whose word this is.
 [[gnu::always_inline]] inline Stop goOn(Processor& p, Operation* at, Cycle now) {
   if ((at->number & 0x8000U) == 0) KERFBENCH_TAIL return next(p, at, now);
-  if (at->bytes == 4 && p.pc < kExceptionReturns) now -= 1;
   KERFBENCH_TAIL return jumpToPc(p, at, now);
 }
 

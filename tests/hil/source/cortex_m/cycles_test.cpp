@@ -34,6 +34,8 @@ TEST_F(CortexMCycles, OfSequencesAreThoseOfTheTable) {
       {"ldm4", {6, 6}},       // 1 + 4, and a NOP
       {"stm4", {5, 5}},       // 1 + 4
       {"push_pop", {7, 7}},   // 1 + 2 twice, and a NOP
+      {"pop_pc", {7, 9}},     // ADR 1, ORR 1, 1 + 1, 1 + 1 + P
+      {"ldm_pc", {9, 11}},    // ADR 1, ORR 1, 1 + 2, 1 + 2 + P
       {"branch", {2, 4}},     // 1 + P
       {"not_taken", {3, 3}},  // CMP 1, 1, NOP 1
       {"taken", {3, 5}},      // CMP 1, 1 + P
@@ -50,6 +52,7 @@ TEST_F(CortexMCycles, OfSequencesAreThoseOfTheTable) {
   std::string name;
   for (unsigned cycles = 0; text >> name >> cycles;) measured[name] = cycles;
   ASSERT_EQ(measured.size(), table.size());
+  EXPECT_EQ(measured["ldm_pc"] - measured["pop_pc"], 2U) << "a register more to store and to load";
   for (const auto& [sequence, range] : table) {
     ASSERT_TRUE(measured.contains(sequence)) << sequence;
     EXPECT_GE(measured[sequence], range.least) << sequence;

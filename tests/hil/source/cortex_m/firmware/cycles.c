@@ -45,6 +45,8 @@ int main(void) {
   MEASURE("ldm4", "ldmia r8, {r4, r5, r6, r7}\n nop\n");
   MEASURE("stm4", "stmia r8, {r4, r5, r6, r7}\n");
   MEASURE("push_pop", "push {r4, r5}\n pop {r4, r5}\n nop\n");
+  MEASURE("pop_pc", "adr r4, 1f\n orr r4, #1\n push {r4}\n pop {pc}\n nop\n .balign 8\n 1:\n");
+  MEASURE("ldm_pc", "adr r4, 1f\n orr r4, #1\n push {r3, r4}\n ldmia.w sp!, {r3, pc}\n .balign 8\n 1:\n");
   MEASURE("branch", "b 1f\n nop\n .balign 8\n 1:\n");
   MEASURE("not_taken", "cmp r5, r5\n bne 1f\n nop\n 1:\n");
   MEASURE("taken", "cmp r5, r5\n beq 1f\n nop\n nop\n .balign 8\n 1:\n");
