@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -170,6 +171,26 @@ TEST_F(CortexMCore, MoreItsThanThereArePlacesForAreDecodedAgain) {
   core_.jump(kSramBase);
   ASSERT_EQ(core_.run(), Stop::kTrap);
   EXPECT_EQ(core_.get(2), kTimes);
+}
+
+TEST_F(CortexMCore, PassesOverALoopThatWaitsInItsOwnTime) {
+  // 1: LDR R1, [R0]; BL 2f; CMP R1, 0; BEQ 1b ... 2: ADDS R2, R1, 1; BX LR, over four lines of the flash.
+  const std::vector<std::uint16_t> code{0x6801, 0xF000, 0xF806, 0x2900, 0xD0FA, 0xBE00,
+                                        0xBF00, 0xBF00, 0xBF00, 0x1C4A, 0x4770};
+  core_.setFlashTiming(2, true);
+  core_.set(0, kSramBase);
+  ASSERT_EQ(run(code), Stop::kLimit);
+  const Cycle whole = present_.cycle;
+  const std::uint32_t pc = core_.pc();
+  EXPECT_GE(whole, 100'000U);
+  present_.cycle = 0;
+  core_.jump(kFlashBase);
+  while (present_.cycle < 100'000) {
+    core_.setLimit(std::min<Cycle>(present_.cycle + 5, 100'000));
+    ASSERT_EQ(core_.run(), Stop::kLimit);
+  }
+  EXPECT_EQ(present_.cycle, whole);
+  EXPECT_EQ(core_.pc(), pc);
 }
 
 TEST_F(CortexMCore, AlsoRunsWhereTheFlashIsAtZero) {

@@ -14,6 +14,7 @@ struct MachineState {
   std::array<std::uint32_t, 15> r{};
   std::uint32_t flags{};
   std::vector<std::uint8_t> sram;
+  std::uint64_t cycles{};  ///< What the run took; ours only.
 };
 
 inline constexpr std::uint32_t kCodeBase = 0x08000000, kCodeBytes = 0x40000;
@@ -27,7 +28,8 @@ class TestedCore {
   virtual std::string run(std::uint32_t begin, std::uint32_t end, MachineState& state) = 0;
 };
 
-std::unique_ptr<TestedCore> makeOurs(std::vector<std::uint8_t>& code);
+/// @param slice where it is not 0, the core stops and goes on after so many cycles again and again.
+std::unique_ptr<TestedCore> makeOurs(std::vector<std::uint8_t>& code, std::uint64_t slice = 0);
 std::unique_ptr<TestedCore> makeUnicorn(std::vector<std::uint8_t>& code);
 
 }  // namespace kerfbench::cortex_m_child

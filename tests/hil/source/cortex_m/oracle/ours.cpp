@@ -20,8 +20,10 @@ class NoDevices final : public CoreBus {
 
 class Ours final : public TestedCore {
  public:
-  explicit Ours(std::vector<std::uint8_t>& code)
-      : sram_(kDataBytes), core_(present_, bus_, code, sram_, {}) {}
+  Ours(std::vector<std::uint8_t>& code, Cycle slice)
+      : sram_(kDataBytes), core_(present_, bus_, code, sram_, {}), slice_(slice) {
+    core_.setFlashTiming(2, true);
+  }
 
   /// The instruction at `end` is a breakpoint.
   std::string run(std::uint32_t begin, std::uint32_t end, MachineState& state) override {
@@ -30,8 +32,14 @@ class Ours final : public TestedCore {
     for (unsigned i = 0; i < state.r.size(); ++i) core_.set(i, state.r[i]);
     core_.jump(begin);
     core_.setFlags(state.flags);
-    core_.setLimit(present_.cycle + 100'000);
-    const Stop stop = core_.run();
+    const Cycle start = present_.cycle;
+    constexpr Cycle kMost = 100'000;
+    Stop stop = Stop::kLimit;
+    while (stop == Stop::kLimit && present_.cycle < start + kMost) {
+      core_.setLimit(slice_ == 0 ? start + kMost : present_.cycle + slice_);
+      stop = core_.run();
+    }
+    state.cycles = present_.cycle - start;
     for (unsigned i = 0; i < state.r.size(); ++i) state.r[i] = core_.get(i);
     state.flags = core_.flags();
     state.sram = sram_;
@@ -44,10 +52,13 @@ class Ours final : public TestedCore {
   NoDevices bus_;
   std::vector<std::uint8_t> sram_;
   Core core_;
+  Cycle slice_;
 };
 
 }  // namespace
 
-std::unique_ptr<TestedCore> makeOurs(std::vector<std::uint8_t>& code) { return std::make_unique<Ours>(code); }
+std::unique_ptr<TestedCore> makeOurs(std::vector<std::uint8_t>& code, std::uint64_t slice) {
+  return std::make_unique<Ours>(code, slice);
+}
 
 }  // namespace kerfbench::cortex_m_child
