@@ -44,16 +44,16 @@ Processor::Processor(Present& the_present, CoreBus& the_bus, std::span<std::uint
                      std::span<std::uint8_t> the_sram, std::span<std::uint8_t> the_system_memory)
     : sram(the_sram.data()),
       sram_bytes(static_cast<std::uint32_t>(the_sram.size())),
-      flash_code(kFlashBase, flash, &decodeFirst),
+      flash_region(kFlashBase, flash, &decodeFirst),
       sram_region(kSramBase, the_sram, &decodeFirst),
-      alias_code(0, flash, &decodeFirst),
+      alias_region(0, flash, &decodeFirst),
       system_memory(the_system_memory),
       present(the_present),
       bus(the_bus),
       blocks(kBlock * kBlocks) {}
 
 CodeRegion* Processor::regionAt(std::uint32_t address) {
-  for (CodeRegion* region : {&flash_code, &sram_region, &alias_code}) {
+  for (CodeRegion* region : {&flash_region, &sram_region, &alias_region}) {
     if (address - region->base < region->bytes.size()) return region;
   }
   return nullptr;
@@ -65,7 +65,7 @@ Operation* Processor::operationAt(std::uint32_t address) {
 }
 
 std::optional<std::uint16_t> Processor::halfWord(std::uint32_t address) const {
-  for (const CodeRegion* region : {&flash_code, &sram_region, &alias_code}) {
+  for (const CodeRegion* region : {&flash_region, &sram_region, &alias_region}) {
     if (const auto value = readFrom(region->bytes, address - region->base, 2))
       return static_cast<std::uint16_t>(*value);
   }
@@ -91,13 +91,13 @@ void Processor::forgetCode(std::uint32_t address, std::uint32_t count) {
     return;
   }
   const std::uint32_t offset = address - kFlashBase;
-  if (offset >= flash_code.bytes.size()) return;
-  forgetIn(flash_code, offset, count);
-  forgetIn(alias_code, offset, count);
+  if (offset >= flash_region.bytes.size()) return;
+  forgetIn(flash_region, offset, count);
+  forgetIn(alias_region, offset, count);
 }
 
 void Processor::forgetAll() {
-  for (CodeRegion* region : {&flash_code, &sram_region, &alias_code})
+  for (CodeRegion* region : {&flash_region, &sram_region, &alias_region})
     forgetIn(*region, 0, static_cast<std::uint32_t>(region->bytes.size()));
   next_block = 1;
 }
@@ -117,7 +117,7 @@ std::optional<std::uint32_t> Processor::readElsewhere(const Operation* at, std::
                                                       unsigned bytes) {
   const bool is_unaligned = (address & (bytes - 1)) != 0;
   if (is_unaligned && traps_unaligned) return fail(address, Stop::kUnaligned);
-  if (const auto value = readFrom(flash_code.bytes, address - kFlashBase, bytes)) return value;
+  if (const auto value = readFrom(flash_region.bytes, address - kFlashBase, bytes)) return value;
   if (const auto value = readFrom(sram_region.bytes, address - kSramBase, bytes)) return value;
   if (isDevice(address)) {
     if (is_unaligned) return fail(address, Stop::kUnaligned);
@@ -126,7 +126,7 @@ std::optional<std::uint32_t> Processor::readElsewhere(const Operation* at, std::
     const auto value = bus.readDevice(address, bytes);
     return value ? value : fail(address, Stop::kBadAccess);
   }
-  if (const auto value = readFrom(alias_code.bytes, address, bytes)) return value;
+  if (const auto value = readFrom(alias_region.bytes, address, bytes)) return value;
   if (const auto value = readFrom(system_memory, address - kSystemMemoryBase, bytes)) return value;
   return fail(address, Stop::kBadAccess);
 }
@@ -143,7 +143,7 @@ bool Processor::writeElsewhere(const Operation* at, std::uint32_t address, unsig
     forgetCode(address, bytes);
     return true;
   }
-  const auto flash_bytes = static_cast<std::uint32_t>(flash_code.bytes.size());
+  const auto flash_bytes = static_cast<std::uint32_t>(flash_region.bytes.size());
   const std::uint32_t offset = address < flash_bytes ? address : address - kFlashBase;
   if (offset < flash_bytes && flash_bytes - offset >= bytes) {
     if (!bus.writeFlash(offset, bytes, value)) return fail(address, Stop::kBadAccess).has_value();

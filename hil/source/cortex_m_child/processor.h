@@ -67,7 +67,7 @@ struct Processor {
   std::uint32_t line{};  ///< Line of the flash that was fetched last, where the core stands.
   std::uint32_t fault_address{};
   Loop loop;
-  CodeRegion flash_code, sram_region, alias_code;
+  CodeRegion flash_region, sram_region, alias_region;
   std::span<std::uint8_t> system_memory;
   Present& present;
   CoreBus& bus;

@@ -56,12 +56,15 @@ bool Timer::watchesUpdate() const {
 }
 
 std::uint32_t Timer::stepsToNext(bool only_watched) const {
-  std::uint32_t steps = !only_watched || watchesUpdate() ? stepsToTurn() : kFar;
+  std::uint32_t steps = kFar;
+  bool is_watched = (interrupts_ & (kUpdateFlag | kUpdateDma)) != 0 || (control1_ & kOnePulse) != 0;
   for (unsigned i = 0; i < kChannels; ++i) {
-    if (isInput(i) || (only_watched && !isWatched(i))) continue;
+    const bool is_own_watched = isWatched(i);
+    is_watched = is_watched || is_own_watched;
+    if (isInput(i) || (only_watched && !is_own_watched)) continue;
     steps = std::min(steps, stepsTo(channels_[i].active_compare));
   }
-  return steps;
+  return is_watched || !only_watched ? std::min(steps, stepsToTurn()) : steps;
 }
 
 Cycle Timer::nextEvent() const {
