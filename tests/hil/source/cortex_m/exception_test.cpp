@@ -47,6 +47,13 @@ TEST_F(CortexMException, FaultsComeToTheFirmwaresHandlerWithTheirCause) {
   EXPECT_THAT(linesOf(run("fault_handler", 20 * kMs).uart), ElementsAre("1", "2", "1", "33280"));
 }
 
+TEST_F(CortexMException, UsageFaultsAreToldApart) {
+  // DIVBYZERO, UNALIGNED, INVSTATE and UNDEFINSTR are bits 25, 24, 17 and 16 of CFSR (ARMv7-M). Division, and
+  // words of single loads, count only where CCR says so.
+  EXPECT_THAT(linesOf(run("usage_faults", 20 * kMs).uart),
+              ElementsAre("0", "0", "16777216", "65536", "131072", "33554432", "16777216"));
+}
+
 TEST_F(CortexMException, TheWatchdogResetsAfterItsTime) {
   const auto result = run("watchdog", 100 * kMs);
   EXPECT_EQ(result.uart, "watchdog\n");
