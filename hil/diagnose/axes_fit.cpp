@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <variant>
 
 #include <fmt/format.h>
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
+#include "hil/diagnose/drawing.h"
+
 namespace kerfbench::diagnose {
 namespace {
 
-constexpr double kStation_mm = 0.5;
 constexpr int kRounds = 25;
 constexpr double kSettled = 1e-7;  // Change of a factor below which a round has brought nothing.
 constexpr double kSlopeStep = 1e-4;
@@ -32,77 +32,6 @@ constexpr double kCovered = 0.95;
 // A round that leaves more than this share of the distance is no progress, after so many.
 constexpr double kStalled = 0.9;
 constexpr int kPatience = 4;
-
-/// A curve of the drawing as straight lines.
-class Polyline {
- public:
-  explicit Polyline(const dieline::Curve& curve) {
-    const bool is_straight = std::holds_alternative<dieline::LineCurve>(curve);
-    std::optional<Eigen::Vector2d> before;
-    for (const double u : is_straight ? std::vector{0.0, 1.0} : dieline::stations(curve, kStation_mm)) {
-      const Eigen::Vector2d p = dieline::pointAt(curve, u);
-      box_.extend(p);
-      if (before) lines_.push_back({*before, p - *before});
-      before = p;
-    }
-  }
-  [[nodiscard]] const Eigen::AlignedBox2d& box() const { return box_; }
-
-  /// Takes the way from the nearest point of the curve to p where it is shorter than `away`.
-  void shorten(const Eigen::Vector2d& p_mm, Eigen::Vector2d& away) const {
-    double least = away.squaredNorm();
-    if (box_.squaredExteriorDistance(p_mm) >= least) return;
-    for (const Line& line : lines_) {
-      const Eigen::Vector2d from_start = p_mm - line.start;
-      const double length2 = line.along.squaredNorm();
-      const double u = length2 > 0.0 ? std::clamp(from_start.dot(line.along) / length2, 0.0, 1.0) : 0.0;
-      const Eigen::Vector2d rest = from_start - u * line.along;
-      if (rest.squaredNorm() >= least) continue;
-      least = rest.squaredNorm();
-      away = rest;
-    }
-  }
-
- private:
-  struct Line {
-    Eigen::Vector2d start, along;
-  };
-  std::vector<Line> lines_;
-  Eigen::AlignedBox2d box_;
-};
-
-class Drawing {
- public:
-  Drawing(const dieline::Dieline& dieline, const PrintLayout& print) : print_(print) {
-    for (const dieline::Entity& entity : dieline.entities) {
-      if (entity.process == dieline::Process::kIgnore) continue;
-      curves_.emplace_back(entity.curve);
-      box_.extend(curves_.back().box());
-    }
-  }
-  [[nodiscard]] bool empty() const { return curves_.empty(); }
-  [[nodiscard]] Eigen::Vector2d size_mm() const { return box_.sizes(); }
-
-  /// A place on the web as one of unit 0.
-  [[nodiscard]] Eigen::Vector2d inUnit(Eigen::Vector2d p_mm) const {
-    if (!(print_.pitch_mm > 0.0)) return p_mm;
-    const double unit = std::round((box_.center().x() - p_mm.x()) / print_.pitch_mm);
-    p_mm.x() += std::clamp(unit, 0.0, static_cast<double>(print_.units - 1)) * print_.pitch_mm;
-    return p_mm;
-  }
-  /// From the nearest point of the drawing to one of unit 0.
-  [[nodiscard]] Eigen::Vector2d awayFrom(const Eigen::Vector2d& p_mm) const {
-    constexpr double kFar_mm = 1e6;
-    Eigen::Vector2d away = Eigen::Vector2d::Constant(kFar_mm);
-    for (const Polyline& curve : curves_) curve.shorten(p_mm, away);
-    return away;
-  }
-
- private:
-  const PrintLayout& print_;
-  std::vector<Polyline> curves_;
-  Eigen::AlignedBox2d box_;
-};
 
 /// One way in which steps may have been made from those that belong there.
 struct Way {

@@ -12,8 +12,8 @@
 #include "hil/camera/tile_folder.h"
 #include "hil/evidence/pin_evidence.h"
 #include "hil/inspect/inspect.h"
-#include "hil/judge/axes_cause.h"
 #include "hil/judge/beam_aim.h"
+#include "hil/judge/likely_cause.h"
 #include "hil/judge/missing_sensors.h"
 #include "hil/judge/pin_stamps.h"
 #include "hil/judge/pin_wiring.h"
@@ -191,7 +191,7 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
   Judgement judgement;
   judgement.result = inspect::inspect(evidence, test_case.scenario.limits);
   if (judgement.result.verdict != inspect::Verdict::kPass)
-    judgement.likely_cause = axesCause(test_case, run.recording, evidence);
+    judgement.likely_cause = likelyCause(test_case, run.recording, evidence, judgement.result.checks);
   judgement.facts = std::move(look.facts());
   judgement.pictures = std::move(look.pictures());
   judgement.facts.insert(judgement.facts.end(), calibrated.facts.begin(), calibrated.facts.end());

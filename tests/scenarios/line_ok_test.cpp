@@ -189,9 +189,22 @@ TEST_F(Grbl, WithAnAxisInvertedFails) {
   EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("stray"));
 }
 
+TEST_F(Grbl, WithConstantPowerBurnsItsCorners) {
+  std::ifstream plate(fixture("scenarios/line-ok/grbl-plate.gcode"));
+  std::string program{std::istreambuf_iterator<char>(plate), {}};
+  for (std::size_t at = 0; (at = program.find("M4", at)) != std::string::npos;) program.replace(at, 2, "M3");
+  std::ofstream(scratch_.path() / "m3.gcode") << program;
+  EXPECT_EQ(plateWith(kSetup, ", gcode: m3.gcode").exit_code, 1);
+  EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("joints"));
+  EXPECT_THAT(verdict().at("likely_cause").get<std::string>(),
+              testing::StartsWith("The laser keeps its power where the beam is slow"));
+}
+
 TEST_F(Grbl, ThatAcceleratesBeyondItsDrivesFails) {
   EXPECT_EQ(plateWith(std::string(kSetup) + ", $120=20000, $121=20000").exit_code, 1);
   EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("pulse_timing"));
+  EXPECT_THAT(verdict().at("likely_cause").get<std::string>(),
+              testing::StartsWith("The axes do not follow at corners"));
 }
 
 TEST_F(LineOkFirmware, ALineThatItRefusesMakesTheRunInvalidAndIsNamed) {

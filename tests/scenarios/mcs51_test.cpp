@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference controller's release for an 8051 in its emulator, and four of the known mistakes in it.
+// The reference controller's release for an 8051 in its emulator, and five of the known mistakes in it.
 #include "tests/scenarios/other_processor.h"
 
 namespace kerfbench::test {
@@ -39,6 +39,9 @@ TEST_F(Mcs51ReleaseLong, GateLateFailsByGateLag) {
 }
 TEST_F(Mcs51ReleaseLong, PulsesLostFailsByPath) {
   expectFailure(run("faults/pulses-lost-mcs51"), "pulses-lost", "path");
+}
+TEST_F(Mcs51ReleaseLong, InterlockIgnoredFailsBySafeState) {
+  expectFailure(run("faults/interlock-ignored-mcs51"), "interlock-ignored", "safe_state");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // Registers, interrupts, reset and suspend of the USB device; its transactions are in usb_endpoints.cpp.
 #include "hil/source/cortex_m_child/usb_device.h"
 

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // Transactions of the USB device (STMicroelectronics 2015 RM0008, 23.4).
 #include <algorithm>
 #include <cstdio>

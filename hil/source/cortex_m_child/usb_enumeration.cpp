@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 #include "hil/source/cortex_m_child/usb_enumeration.h"
 
 namespace kerfbench::cortex_m_child {

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // When the host does what, and its transactions; transfers are in usb_transfers.cpp.
 #include "hil/source/cortex_m_child/usb_host.h"
 

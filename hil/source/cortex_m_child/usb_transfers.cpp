@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // Transfers of the host: what transactions add up to.
 #include <algorithm>
 #include <cstdio>
