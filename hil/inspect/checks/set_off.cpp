@@ -10,8 +10,12 @@ namespace {
 /// Lengths of ramps that are tried: the first, and how much longer each is than the one before.
 constexpr double kShortestRamp_mm = 1.25 * kNearest_mm;
 constexpr double kLonger = 1.15;
+/// How often the search around the best of these takes the root of the ratio of its step: down to 0.05 %.
+constexpr int kRefinements = 8;
 /// A ramp that is longer than so much of what was seen is told from an endless one by noise alone.
 constexpr double kSeenShare = 0.8;
+
+double triedRamp_mm(int index) { return kShortestRamp_mm * std::pow(kLonger, index); }
 
 double farthestWay_mm(const std::vector<Place>& places, double rest_mm) {
   double farthest_mm = 0.0;
@@ -97,9 +101,11 @@ RampFit fitRamp(const std::vector<Place>& places, double rest_mm) {
     const SetOffFit fit = fitRampOver(places, ramp_mm, rest_mm);
     if (fit.chi_square < best.fit.chi_square) best = {ramp_mm, fit};
   };
-  for (double ramp_mm = kShortestRamp_mm; ramp_mm <= longest_mm; ramp_mm *= kLonger) take(ramp_mm);
+  for (int i = 0; triedRamp_mm(i) <= longest_mm; ++i) take(triedRamp_mm(i));
   if (!(best.ramp_mm > 0.0)) return best;
-  for (double step = std::sqrt(kLonger); step > 1.0005; step = std::sqrt(step)) {
+  double step = kLonger;
+  for (int i = 0; i < kRefinements; ++i) {
+    step = std::sqrt(step);
     const double from_mm = best.ramp_mm;
     take(from_mm * step);
     take(from_mm / step);
@@ -114,8 +120,8 @@ bool rampExplains(const std::vector<Place>& places, double rest_mm, const SetOff
   };
   if (explains(fitSetOff(places, SetOff::byPower(2.0), rest_mm))) return true;
   const double farthest_mm = farthestWay_mm(places, rest_mm);
-  for (double ramp_mm = kShortestRamp_mm; ramp_mm <= farthest_mm; ramp_mm *= kLonger) {
-    if (explains(fitRampOver(places, ramp_mm, rest_mm))) return true;
+  for (int i = 0; triedRamp_mm(i) <= farthest_mm; ++i) {
+    if (explains(fitRampOver(places, triedRamp_mm(i), rest_mm))) return true;
   }
   return false;
 }
