@@ -70,10 +70,11 @@ bool build(Processor& p, Operation& op, Code code, std::uint8_t if_then) {
 }
 
 void noteSramCode(Processor& p, const Operation& op) {
-  const std::uint32_t offset = op.pc - kSramBase;
-  if (offset >= p.sram_bytes) return;
+  if (op.pc - kSramBase >= p.sram_bytes) return;
+  // Whole words, so that a store that is aligned lies within or beside.
+  const std::uint32_t offset = (op.pc - kSramBase) & ~3U;
   const std::uint32_t end =
-      std::max(p.sram_code_bytes == 0 ? 0 : p.sram_code + p.sram_code_bytes, offset + 4);
+      std::max(p.sram_code_bytes == 0 ? 0 : p.sram_code + p.sram_code_bytes, offset + 8);
   p.sram_code = p.sram_code_bytes == 0 ? offset : std::min(p.sram_code, offset);
   p.sram_code_bytes = end - p.sram_code;
 }

@@ -157,6 +157,24 @@ TEST_F(CortexMCore, CodeInTheSramMayChangeItself) {
   }
 }
 
+TEST_F(CortexMCore, AStoreThatBeginsBeforeTheFirstCodeOfTheSramChangesIt) {
+  // Behind two bytes of data: MOVS R2, 5 or what a word over data and code has made of it.
+  const std::uint16_t code[] = {0, 0x2205, kBreakpoint};
+  std::memcpy(sram_.data(), code, sizeof code);
+  const auto runCode = [&] {
+    core_.setLimit(present_.cycle + 1000);
+    core_.jump(kSramBase + 2);
+    return core_.run();
+  };
+  ASSERT_EQ(runCode(), Stop::kTrap);
+  ASSERT_EQ(core_.get(2), 5U);
+  core_.set(0, kSramBase);
+  core_.set(1, 0x22060000);
+  ASSERT_EQ(runOne(0x6001), Stop::kTrap);  // STR R1, [R0]
+  ASSERT_EQ(runCode(), Stop::kTrap);
+  EXPECT_EQ(core_.get(2), 6U);
+}
+
 TEST_F(CortexMCore, MoreItsThanThereArePlacesForAreDecodedAgain) {
   // A loop over an IT whose condition the loop itself changes, as often as to use up all places twice.
   const std::uint16_t code[] = {0x8001, 0xBF08, 0x3201, 0x3B01, 0xD1FA, kBreakpoint};
