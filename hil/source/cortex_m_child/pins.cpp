@@ -2,6 +2,7 @@
 #include "hil/source/cortex_m_child/pins.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace kerfbench::cortex_m_child {
 namespace {
@@ -104,16 +105,29 @@ void Pins::update(Port& port) {
   const std::uint32_t seen = ((level & strong) | (outside & ~strong)) & ~port.analog & 0xFFFFU;
   if (const std::uint32_t changed = level ^ port.level; changed != 0) {
     port.level = level;
-    if (events_.size() < max_events_) {
-      events_.push_back({time_.tickOf(present_.cycle), port.index, static_cast<std::uint16_t>(changed),
-                         static_cast<std::uint16_t>(level)});
-    } else {
-      flooded_ = true;
-    }
+    note(port, static_cast<std::uint16_t>(changed));
   }
   if (const std::uint32_t changed = seen ^ port.seen; changed != 0) {
     port.seen = seen;
     if (on_change) on_change(port.index, changed);
+  }
+}
+
+/// A core that is faster than the ticks has several cycles in one, in which a pin changes once or not at all.
+void Pins::note(const Port& port, std::uint16_t changed) {
+  const std::uint64_t tick = std::max(time_.tickOf(present_.cycle), taken_to_ + 1);
+  const auto level = static_cast<std::uint16_t>(port.level);
+  for (auto event = events_.rbegin(); event != events_.rend() && event->tick == tick; ++event) {
+    if (event->port != port.index) continue;
+    event->changed ^= changed;
+    event->level = level;
+    if (event->changed == 0) events_.erase(std::next(event).base());
+    return;
+  }
+  if (events_.size() < max_events_) {
+    events_.push_back({tick, port.index, changed, level});
+  } else {
+    flooded_ = true;
   }
 }
 
@@ -145,6 +159,7 @@ std::vector<emulator::PinEvent> Pins::take(std::uint64_t until_tick) {
       std::ranges::find_if(events_, [&](const emulator::PinEvent& event) { return event.tick > until_tick; });
   std::vector<emulator::PinEvent> taken(events_.begin(), later);
   events_.erase(events_.begin(), later);
+  taken_to_ = until_tick;
   return taken;
 }
 

@@ -79,12 +79,15 @@ class Pins {
 
   void decode(Port& port);
   void update(Port& port);
+  /// Pins of a port have changed their level.
+  void note(const Port& port, std::uint16_t changed);
 
   Present& present_;
   const CoreTime& time_;
   std::size_t max_events_;
   std::array<Port, kPorts> ports_;
   std::vector<emulator::PinEvent> events_;
+  std::uint64_t taken_to_{};
   bool flooded_{};
 };
 

@@ -214,5 +214,14 @@ TEST_F(CortexMInput, AnotherClockThanTheScenariosIsNamed) {
   EXPECT_THAT(result.message, HasSubstr("the scenario says 72000000 Hz"));
 }
 
+TEST_F(CortexMInput, AFasterClockThanTheScenariosIsNamedThoughPinsChangeTwiceInATickOfIt) {
+  auto options = optionsFor("pulses");
+  options.clock_hz = 8'000'000;
+  const auto source = openChild(options);
+  const auto result = runSource(*source, 240'000, 4'000);
+  EXPECT_EQ(result.stop, Stop::kMisheard) << result.message;
+  EXPECT_THAT(result.message, HasSubstr("runs its core at 72000000 Hz"));
+}
+
 }  // namespace
 }  // namespace kerfbench::source::cortex_m
