@@ -51,13 +51,20 @@ class SpanWatch {
 };
 
 /// Dark for no longer than this, a gate without a PWM line is chopped, and open all the while: Grbl's spindle
-/// PWM, on which the laser hangs, has 976 Hz by default, and lasers take no slower one.
+/// PWM, on which the laser hangs, has 976 Hz by default, and lasers take no slower one. Where the guard is
+/// open meanwhile it was shut.
 constexpr double kChopped_s = 1.1e-3;
 
-std::vector<inspect::GateInterval> gateIntervals(const std::vector<inspect::Span>& spans, bool is_chopped) {
+std::vector<inspect::GateInterval> choppedGates(const std::vector<inspect::Span>& spans,
+                                                const std::vector<inspect::Span>& guard_open) {
   std::vector<inspect::GateInterval> gates;
+  const auto isGuarded = [&](double from_s, double to_s) {
+    return std::ranges::none_of(
+        guard_open, [&](const inspect::Span& open) { return open.from_s <= to_s && open.to_s >= from_s; });
+  };
   for (const inspect::Span& span : spans) {
-    if (is_chopped && !gates.empty() && span.from_s - gates.back().off_s <= kChopped_s) {
+    if (!gates.empty() && span.from_s - gates.back().off_s <= kChopped_s &&
+        isGuarded(gates.back().off_s, span.from_s)) {
       gates.back().off_s = span.to_s;
     } else {
       gates.push_back({span.from_s, span.to_s});
@@ -123,9 +130,13 @@ PinEvidence pinEvidence(const source::PinRecording& recording, const PinWiring& 
   PinEvidence result;
   for (const WatchedDrive& drive : drives) result.pulses.push_back(drive.timer.timing());
   const double end_s = recording.rate.seconds(recording.end);
-  result.gates = gateIntervals(gates.until(end_s), !pwm);
   result.light = light.until(end_s);
   result.guard_open = guardOpen(recording);
+  if (pwm) {
+    for (const inspect::Span& span : gates.until(end_s)) result.gates.push_back({span.from_s, span.to_s});
+  } else {
+    result.gates = choppedGates(gates.until(end_s), result.guard_open.value_or(std::vector<inspect::Span>{}));
+  }
   result.belt = beltEdges(recording, wiring.encoder_count_mm);
   result.power_edges_s = powerEdges(recording, wiring.power_meter_delay_s);
   return result;

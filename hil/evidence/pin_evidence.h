@@ -32,7 +32,8 @@ struct PinWiring {
 struct PinEvidence {
   std::vector<PulseTiming> pulses;  ///< One for each wired drive.
   /// Sorted by time; a gate that is open at the end closes there. Without a PWM
-  /// line the gate may be chopped by its own: pulses no more than 1.1 ms apart are one opening.
+  /// line the gate may be chopped by its own: pulses no more than 1.1 ms apart are one opening, unless the
+  /// guard is open between them.
   std::vector<inspect::GateInterval> gates;
   /// Spans in which the laser emits: gate and PWM are high; the gate alone where no PWM is wired. By time.
   std::vector<inspect::Span> light;

@@ -46,7 +46,6 @@ constexpr double kLagStep_s = 10e-6;
 struct Usual {
   double speed_mm_s{};
   double sigma_mm{};
-  double light_s{};
 };
 
 /// For how long the pins let the laser emit during a frame, or about it by as much as its time is uncertain;
@@ -57,15 +56,20 @@ double lightIn(const EmittedLight& light, const vision::FrameMeasurement& f, dou
   return light.between(f.mid_s - lag_s - half_s, f.mid_s - lag_s + half_s);
 }
 
-Usual usualOf(const Evidence& evidence, const LitFrames& lit, const EmittedLight& light) {
-  std::vector<double> speeds;
-  std::vector<double> sigmas;
+/// Light in most of the frames that show the spot. A lag that leaves none of it is not the laser's.
+double usualLight_s(const Evidence& evidence, const LitFrames& lit, const EmittedLight& light, double lag_s) {
   std::vector<double> lights;
   for (const LitFrame& f : lit.frames) {
     const vision::FrameMeasurement& frame = evidence.spot.frames[f.frame];
-    sigmas.push_back(frame.spot_sigma_mm);
-    if (frame.exposure_s > 0.0) lights.push_back(lightIn(light, frame, 0.0, 0.0));
+    if (frame.exposure_s > 0.0) lights.push_back(lightIn(light, frame, 0.0, lag_s));
   }
+  return lights.empty() ? 0.0 : medianOf(std::move(lights));
+}
+
+Usual usualOf(const Evidence& evidence, const LitFrames& lit) {
+  std::vector<double> speeds;
+  std::vector<double> sigmas;
+  for (const LitFrame& f : lit.frames) sigmas.push_back(evidence.spot.frames[f.frame].spot_sigma_mm);
   for (const LitRun& run : lit.runs) {
     for (std::size_t i = run.begin + 1; i < run.end; ++i) {
       const LitFrame& a = lit.frames[i - 1];
@@ -73,8 +77,7 @@ Usual usualOf(const Evidence& evidence, const LitFrames& lit, const EmittedLight
       if (b.time_s > a.time_s) speeds.push_back((b.p_S_mm - a.p_S_mm).norm() / (b.time_s - a.time_s));
     }
   }
-  return {medianOf(std::move(speeds)), medianOf(std::move(sigmas)),
-          lights.empty() ? 0.0 : medianOf(std::move(lights))};
+  return {medianOf(std::move(speeds)), medianOf(std::move(sigmas))};
 }
 
 /// Whether the beam is slow at an end of its cut, where only one frame beside the dark one shows it: by the
@@ -153,10 +156,11 @@ struct BlindFrames {
 
 /// Frames that are dark though the laser's light, if it comes lag_s behind the pins, falls into them.
 BlindFrames blindFrames(const Evidence& evidence, const LitFrames& lit, const EmittedLight& light,
-                        const Usual& usual, const OpenFrames& open, double lag_s) {
+                        const OpenFrames& open, double lag_s) {
   const double near_s = kPulsePeriods * lit.period_s;
+  const double usual_s = usualLight_s(evidence, lit, light, lag_s);
   const auto isBetweenPulses = [&](const vision::FrameMeasurement& frame) {
-    return lightIn(light, frame, evidence.clock_bound_s, lag_s) < kSlowShare * usual.light_s &&
+    return lightIn(light, frame, evidence.clock_bound_s, lag_s) < kSlowShare * usual_s &&
            light.between(frame.mid_s - near_s, frame.mid_s) > 0.0 &&
            light.between(frame.mid_s, frame.mid_s + near_s) > 0.0;
   };
@@ -174,10 +178,10 @@ BlindFrames blindFrames(const Evidence& evidence, const LitFrames& lit, const Em
 /// The same by the lag that explains the most. A laser that is dead where the pins ask for light is explained
 /// by none.
 BlindFrames blindFrames(const Evidence& evidence, const LitFrames& lit, const EmittedLight& light,
-                        const Usual& usual, const OpenFrames& open) {
-  BlindFrames fewest = blindFrames(evidence, lit, light, usual, open, 0.0);
+                        const OpenFrames& open) {
+  BlindFrames fewest = blindFrames(evidence, lit, light, open, 0.0);
   for (int i = 1; i * kLagStep_s <= kLongestLag_s && fewest.count > 0; ++i) {
-    const BlindFrames with_lag = blindFrames(evidence, lit, light, usual, open, i * kLagStep_s);
+    const BlindFrames with_lag = blindFrames(evidence, lit, light, open, i * kLagStep_s);
     if (with_lag.count < fewest.count) fewest = with_lag;
   }
   return fewest;
@@ -190,9 +194,8 @@ Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit) {
       .name = "spot_seen", .title = "The spot is seen while the laser's gate is open", .unit = "share"};
   check.value = std::numeric_limits<double>::quiet_NaN();
   const EmittedLight light(evidence.light);
-  const Usual usual = usualOf(evidence, lit, light);
-  const OpenFrames open = openFrames(evidence, lit, usual);
-  const BlindFrames blind = blindFrames(evidence, lit, light, usual, open);
+  const OpenFrames open = openFrames(evidence, lit, usualOf(evidence, lit));
+  const BlindFrames blind = blindFrames(evidence, lit, light, open);
   check.limit = kDarkShare;
   if (open.count > 0) check.value = static_cast<double>(blind.count) / static_cast<double>(open.count);
   decide(check);

@@ -77,6 +77,21 @@ TEST(PinEvidence, AGateThatItsPwmChopsOpensOncePerCut) {
   EXPECT_THAT(pinEvidence(recordingOf(events), with_pwm).gates, SizeIs(6)) << "such a gate is not chopped";
 }
 
+TEST(PinEvidence, AGateThatAnOpenGuardShutsIsNotChopped) {
+  // The guard bounces for 0.5 ms; the gate is shut 50 us after it opens, and opened with it again.
+  const std::vector<PinEvent> events{{1000, 2, kGateHigh, kGateHigh, 0},
+                                     {2050, 2, kGateHigh, 0, 0},
+                                     {2550, 2, kGateHigh, kGateHigh, 0},
+                                     {4000, 2, kGateHigh, 0, 0}};
+  const auto pins = pinEvidence(recordingOf(events, {{1, Signal::kInterlock, true},
+                                                     {2000, Signal::kInterlock, false},
+                                                     {2500, Signal::kInterlock, true}}),
+                                wiringOfX());
+  ASSERT_THAT(pins.gates, SizeIs(2));
+  EXPECT_THAT(pins.gates[0].off_s, DoubleEq(2.05e-3));
+  EXPECT_THAT(pins.gates[1].on_s, DoubleEq(2.55e-3));
+}
+
 TEST(PinEvidence, GatesAreTheIntervalsInWhichTheLineWasHighAndTheLastEndsWithTheRecording) {
   const auto pins = pinEvidence(recordingOf({{1000, 2, kGateHigh, kGateHigh, 0},
                                              {1500, 2, 1, kGateHigh | 1U, 0},

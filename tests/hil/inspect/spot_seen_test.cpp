@@ -108,6 +108,25 @@ TEST(Refusals, TheLasersLagDecidesWhichFramesLieBetweenPulses) {
       << "no lag explains a laser that is dead";
 }
 
+TEST(Refusals, NoLagExcusesALaserThatFailsInFramesInStepWithItsPulses) {
+  // Each exposure of 50 us lies within a pulse of 100 us. Another lag would put all of them between two.
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  run.evidence.light.clear();
+  for (vision::FrameMeasurement& frame : frames) {
+    frame.exposure_s = 50e-6;
+    const bool is_open = std::ranges::any_of(run.evidence.gates, [&](const GateInterval& gate) {
+      return gate.on_s <= frame.mid_s && frame.mid_s <= gate.off_s;
+    });
+    if (is_open) run.evidence.light.push_back({frame.mid_s - 50e-6, frame.mid_s + 50e-6});
+  }
+  ASSERT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kPass);
+  const std::size_t dead = run.frameAt(run.evidence.gates.front().on_s + 0.1);
+  for (std::size_t i = dead; i < dead + 10; ++i) frames[i].spot_W_mm.reset();
+  EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kInvalid)
+      << checkOf(run.inspected(), "spot_seen").explanation;
+}
+
 TEST(Refusals, ASingleDarkFrameInAThousandIsNoneTwoInARowAre) {
   SyntheticRun run;
   auto& frames = run.evidence.spot.frames;
