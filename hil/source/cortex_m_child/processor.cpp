@@ -8,7 +8,8 @@
 namespace kerfbench::cortex_m_child {
 namespace {
 
-/// Bytes before a changed half-word whose operations may depend on it: an IT has up to four wide instructions.
+/// Bytes before a changed half-word whose operations may depend on it: an IT has up to four wide
+/// instructions.
 constexpr std::uint32_t kReachBack = 18;
 
 template <typename Value>

@@ -240,6 +240,20 @@ TEST(FollowDieline, DarkFramesDoNotEndACutWhileTheGateIsOpen) {
       << "nothing says that the gate was open meanwhile";
 }
 
+TEST(FollowDieline, AJumpWithoutLightEndsACutThoughTheGateStaysOpen) {
+  SyntheticRun run;
+  const double faster = 0.9;
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) frame.mid_s *= faster;
+  for (GateInterval& gate : run.evidence.gates) gate = {faster * gate.on_s, faster * gate.off_s};
+  run.evidence.light.clear();
+  for (const GateInterval& gate : run.evidence.gates) run.evidence.light.push_back({gate.on_s, gate.off_s});
+  // The gate stays open all the time, and its PWM line keeps the laser dark in the jumps, for 19 ms each.
+  run.evidence.gates = {{run.evidence.gates.front().on_s, run.evidence.gates.back().off_s}};
+  const InspectionResult result = run.inspected();
+  EXPECT_EQ(checkOf(result, "repeat").verdict, Verdict::kPass) << checkOf(result, "repeat").explanation;
+  for (const EntityResult& entity : result.entities) EXPECT_NEAR(entity.passes, 1.0, 0.1) << entity.entity;
+}
+
 TEST(FollowDieline, WhereNoMarkWasSeenForLongNobodyKnowsTheSheet) {
   SyntheticRun run;
   const auto& gate = run.evidence.gates[2];
