@@ -240,6 +240,8 @@ std::optional<std::pair<SetOff, Rested>> setOffOf(const SeenStart& seen, double 
     if (ramp.fit.chi_square > worst_chi_square ||
         through_chi_square < ramp.fit.chi_square + 2.0 * kClearlyBetter)
       return std::nullopt;
+    // Where the gate opens late, the ramp's begin was not seen: the beam may have come out of a jump.
+    if (-ramp.fit.t0_s > limit_s) return std::nullopt;
     best = {SetOff::rampOver(ramp.ramp_mm), {best.second.rest, ramp.fit}};
   } else if ((even.fit.chi_square <= worst_chi_square) == (at_once.fit.chi_square <= worst_chi_square)) {
     // Where both fit, too little was seen to say how the beam set off, and they disagree on when.

