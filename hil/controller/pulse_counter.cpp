@@ -35,12 +35,15 @@ std::string axisNameOf(Signal pul) {
 template <class Take>
 void PulseCounter::forEachPulse(const Axis& axis, Take take) const {
   bool dir = false;
+  bool enabled = !axis.enable_pin || axis.drive.enabledBy(false);
   Pulse pulse;
   for (const PinEvent& event : outputs_.streamed()) {
     if (event.port == axis.dir_pin.port) dir = (event.level >> axis.dir_pin.bit & 1U) != 0;
+    if (axis.enable_pin && event.port == axis.enable_pin->port)
+      enabled = axis.drive.enabledBy((event.level >> axis.enable_pin->bit & 1U) != 0);
     const bool changes = event.port == axis.pul_pin.port && (event.changed >> axis.pul_pin.bit & 1U) != 0;
     const bool high = (event.level >> axis.pul_pin.bit & 1U) != 0;
-    if (!changes || high != axis.drive.active_edge_rising) continue;
+    if (!changes || high != axis.drive.active_edge_rising || !enabled) continue;
     pulse.tick = event.tick;
     pulse.place += axis.drive.senseOf(dir);
     if (!take(pulse)) return;
@@ -55,7 +58,8 @@ PulseCounter::PulseCounter(const source::PinRecording& recording, const SignalMa
     const auto dir = map.pin(dirOf(signal));
     if (!pul || !dir) continue;
     const auto drive = std::ranges::find(drives, signal, &DriveOfPul::first);
-    Axis axis{signal, *pul, *dir, drive == drives.end() ? DriverProfile{} : drive->second};
+    Axis axis{signal, *pul, *dir, map.pin(enableOf(signal)),
+              drive == drives.end() ? DriverProfile{} : drive->second};
     forEachPulse(axis, [&](const Pulse& pulse) {
       axis.net = pulse.place;
       last_pulse_s_ = std::max(last_pulse_s_, rate_.seconds(pulse.tick));

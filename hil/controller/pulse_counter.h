@@ -54,6 +54,7 @@ class PulseCounter {
   struct Axis {
     Signal pul{};
     PinId pul_pin, dir_pin;
+    std::optional<PinId> enable_pin;
     DriverProfile drive;
     long long net{};
   };

@@ -12,14 +12,15 @@ bool isHigh(std::uint16_t levels, PinId pin) { return ((levels >> pin.bit) & 1U)
 }  // namespace
 
 std::int32_t CountedSteps::Axis::stepBy(const PinEvent& event) {
+  if (enable && event.port == enable->port) enabled = profile.enabledBy(isHigh(event.level, *enable));
   if (event.port == dir.port) dir_port = event.level;
   if (event.port != pul.port) return 0;
   pul_port = event.level;
   const bool high = isHigh(pul_port, pul);
   if (high == pul_high) return 0;
   pul_high = high;
-  if (high != rising) return 0;
-  return isHigh(dir_port, dir) != dir_low ? 1 : -1;
+  if (high != profile.active_edge_rising || !enabled) return 0;
+  return profile.senseOf(isHigh(dir_port, dir));
 }
 
 std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& wiring) {
@@ -34,8 +35,9 @@ std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& w
     Axis& axis = counted.axes_[i];
     axis.pul = *pul;
     axis.dir = *dir;
-    axis.rising = drive.profile.active_edge_rising;
-    axis.dir_low = drive.profile.dir_low;
+    axis.enable = wiring.signals.pin(enableOf(drive.pul));
+    axis.profile = drive.profile;
+    axis.enabled = !axis.enable || axis.profile.enabledBy(false);
   }
   return counted;
 }

@@ -15,7 +15,8 @@
 namespace kerfbench::evidence {
 
 /// The steps of two axes that the pins have asked for, over time, with the sense that their drives give to
-/// DIR (DriverProfile::senseOf). Nothing says here whether a drive has followed.
+/// DIR (DriverProfile::senseOf), without those while a drive was disabled. Nothing else says here whether a
+/// drive has followed.
 class CountedSteps {
  public:
   using Steps = std::array<std::int32_t, 2>;
@@ -44,9 +45,10 @@ class CountedSteps {
  private:
   struct Axis {
     PinId pul, dir;
-    bool rising{};
-    bool dir_low{};
+    std::optional<PinId> enable;
+    DriverProfile profile;
     bool pul_high{};
+    bool enabled{true};
     std::uint16_t pul_port{}, dir_port{};  ///< Levels of their ports.
     /// The step, if any, that a write brings.
     std::int32_t stepBy(const PinEvent& event);

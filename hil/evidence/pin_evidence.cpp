@@ -15,7 +15,14 @@ namespace {
 /// A drive whose lines are both wired.
 struct WatchedDrive {
   PinId pul, dir;
+  std::optional<PinId> enable;
   PulseTimer timer;
+
+  void take(const PinEvent& event, double time_s, const PortLevels& ports) {
+    if (enable && enable->port == event.port) timer.enableLevel(time_s, ports.high(*enable));
+    if (pul.port == event.port || dir.port == event.port)
+      timer.levels(time_s, ports.high(pul), ports.high(dir));
+  }
 };
 
 std::vector<WatchedDrive> watchedDrives(const PinWiring& wiring) {
@@ -23,7 +30,9 @@ std::vector<WatchedDrive> watchedDrives(const PinWiring& wiring) {
   for (const DriveWiring& drive : wiring.drives) {
     const std::optional<PinId> pul = wiring.signals.pin(drive.pul);
     const std::optional<PinId> dir = wiring.signals.pin(drive.dir);
-    if (pul && dir) drives.push_back({*pul, *dir, PulseTimer(drive.axis, drive.profile)});
+    const std::optional<PinId> enable = wiring.signals.pin(enableOf(drive.pul));
+    if (pul && dir)
+      drives.push_back({*pul, *dir, enable, PulseTimer(drive.axis, drive.profile, enable.has_value())});
   }
   return drives;
 }
@@ -108,24 +117,32 @@ std::vector<double> powerEdges(const source::PinRecording& recording, double del
 
 }  // namespace
 
+std::optional<ActiveLine> gateLine(const PinWiring& wiring) {
+  const std::optional<PinId> pin = wiring.signals.pin(Signal::kLaserGate);
+  return pin ? std::optional(ActiveLine(*pin, wiring.gate_low)) : std::nullopt;
+}
+
+std::optional<ActiveLine> pwmLine(const PinWiring& wiring) {
+  const std::optional<PinId> pin = wiring.signals.pin(Signal::kLaserPwm);
+  return pin ? std::optional(ActiveLine(*pin, wiring.pwm_low)) : std::nullopt;
+}
+
 PinEvidence pinEvidence(const source::PinRecording& recording, const PinWiring& wiring) {
   std::vector<WatchedDrive> drives = watchedDrives(wiring);
-  const std::optional<PinId> gate = wiring.signals.pin(Signal::kLaserGate);
-  const std::optional<PinId> pwm = wiring.signals.pin(Signal::kLaserPwm);
+  std::optional<ActiveLine> gate = gateLine(wiring);
+  std::optional<ActiveLine> pwm = pwmLine(wiring);
   SpanWatch gates;
   SpanWatch light;
   PortLevels ports;
   for (const PinEvent& event : recording.outputs.streamed()) {
     ports.apply(event);
     const double time_s = recording.rate.seconds(event.tick);
-    for (WatchedDrive& drive : drives) {
-      if (drive.pul.port == event.port || drive.dir.port == event.port)
-        drive.timer.levels(time_s, ports.high(drive.pul), ports.high(drive.dir));
-    }
+    for (WatchedDrive& drive : drives) drive.take(event, time_s, ports);
     if (!gate) continue;
-    const bool open = ports.high(*gate);
-    gates.level(time_s, open);
-    light.level(time_s, open && (!pwm || ports.high(*pwm)));
+    gate->take(event);
+    if (pwm) pwm->take(event);
+    gates.level(time_s, gate->isActive());
+    light.level(time_s, gate->isActive() && (!pwm || pwm->isActive()));
   }
   PinEvidence result;
   for (const WatchedDrive& drive : drives) result.pulses.push_back(drive.timer.timing());

@@ -21,11 +21,12 @@ constexpr double kNeverBefore_s = -1e8;
 
 // Lines are low at first. A drive that steps on the falling edge finds its active level then, without an
 // edge.
-PulseTimer::PulseTimer(std::string axis, const DriverProfile& profile)
-    : active_(!profile.active_edge_rising) {
+PulseTimer::PulseTimer(std::string axis, const DriverProfile& profile, bool has_enable)
+    : active_(!profile.active_edge_rising), enabled_(!has_enable || profile.enabledBy(false)) {
   constexpr double kNothingSeen = std::numeric_limits<double>::infinity();
   timing_.axis = std::move(axis);
   timing_.profile = profile;
+  timing_.has_enable = has_enable;
   timing_.min_setup_s = timing_.min_hold_s = timing_.min_width_s = timing_.min_space_s = kNothingSeen;
   timing_.setup_histogram.assign(kSetupBins, 0);
 }
@@ -35,10 +36,29 @@ void PulseTimer::countViolation(std::uint64_t& counter, double time_s) {
   if (timing_.first_violation_s < 0) timing_.first_violation_s = time_s;
 }
 
+// The first change after an enable is the one that comes soonest.
+void PulseTimer::sinceEnable(double time_s) {
+  if (!enable_s_) return;
+  const double enable_setup_s = time_s - *enable_s_;
+  enable_s_.reset();
+  timing_.min_enable_setup_s = std::min(timing_.min_enable_setup_s, enable_setup_s);
+  if (enable_setup_s < timing_.profile.enable_setup_s - kRounding_s)
+    countViolation(timing_.enable_setup_violations, time_s);
+}
+
+void PulseTimer::enableLevel(double time_s, bool level) {
+  const bool enabled = timing_.profile.enabledBy(level);
+  if (enabled == enabled_) return;
+  enabled_ = enabled;
+  enable_s_ = enabled ? std::optional(time_s) : std::nullopt;
+}
+
 void PulseTimer::activeEdge(double time_s) {
   const double space_s = time_s - idle_edge_s_;
   if (timing_.pulses > 0) timing_.min_space_s = std::min(timing_.min_space_s, space_s);
   ++timing_.pulses;
+  if (!enabled_) countViolation(timing_.disabled_pulses, time_s);
+  sinceEnable(time_s);
   const double setup_s = time_s - dir_edge_s_;
   if (dir_edge_s_ > kNeverBefore_s) timing_.min_setup_s = std::min(timing_.min_setup_s, setup_s);
   const double last_bin = static_cast<double>(kSetupBins - 1);
@@ -58,6 +78,7 @@ void PulseTimer::idleEdge(double time_s) {
 
 void PulseTimer::directionChange(double time_s) {
   dir_edge_s_ = time_s;
+  sinceEnable(time_s);
   if (timing_.pulses == 0) return;
   const double hold_s = time_s - active_edge_s_;
   timing_.min_hold_s = std::min(timing_.min_hold_s, hold_s);

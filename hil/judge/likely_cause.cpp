@@ -15,6 +15,8 @@
 #include "hil/diagnose/axes_fit.h"
 #include "hil/inspect/evidence/emitted_light.h"
 #include "hil/judge/beam_aim.h"
+#include "hil/judge/belt_place.h"
+#include "hil/judge/gate_cause.h"
 
 namespace kerfbench::judge {
 namespace {
@@ -44,11 +46,6 @@ std::vector<double> instantsIn(const std::vector<inspect::Span>& light) {
     behind_s = at_s - span.to_s;
   }
   return times_s;
-}
-
-double beltAt_mm(const std::vector<inspect::BeltEdge>& belt, double time_s) {
-  const auto next = std::ranges::upper_bound(belt, time_s, {}, &inspect::BeltEdge::time_s);
-  return next == belt.begin() ? 0.0 : (next - 1)->x_mm;
 }
 
 std::string axesCause(const scenario::Case& test_case, const SharedSteps& steps,
@@ -136,7 +133,9 @@ std::string likelyCause(const scenario::Case& test_case, const source::PinRecord
                         const inspect::Evidence& evidence, const std::vector<inspect::Check>& checks) {
   const std::shared_ptr<const SharedSteps> steps = stepsOf(test_case, recording);
   if (!steps) return {};
-  std::string cause = axesCause(test_case, *steps, evidence);
+  // What is lit with the gate the wrong way round says nothing of axes.
+  std::string cause = gateCause(test_case, recording, evidence);
+  if (cause.empty()) cause = axesCause(test_case, *steps, evidence);
   if (!cause.empty() ||
       failing(checks, {"path", "edge", "spot_path", "stillness_x", "stillness_peak", "gate_lag"}))
     return cause;

@@ -12,6 +12,7 @@
 namespace kerfbench::judge {
 
 /// Why a cut is bad, in sentences for people; else empty. By pins, drawing and failing checks alone:
+/// - the laser's gate is open between the cuts and closed in them;
 /// - the head's axes are swapped, run backwards or have another scale: told where the spot was never seen as
 /// well;
 /// - corners are burnt, or get too much energy, and the laser keeps its power where the beam is slow;

@@ -27,6 +27,8 @@ std::vector<std::string> unprovenSteps(std::span<const PulseTiming> pulses, doub
     look("DIR hold", timing.hold_violations, timing.min_hold_s, timing.profile.hold_s);
     look("pulse width", timing.width_violations, timing.min_width_s, timing.profile.width_s);
     look("pulse space", timing.space_violations, timing.min_space_s, timing.profile.space_s);
+    look("time from enable to DIR or PUL", timing.enable_setup_violations, timing.min_enable_setup_s,
+         timing.profile.enable_setup_s);
   }
   return words;
 }

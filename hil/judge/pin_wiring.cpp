@@ -7,6 +7,8 @@ evidence::PinWiring pinWiring(const scenario::Case& test_case) {
   const twin::MachineDescription& machine = test_case.machine;
   evidence::PinWiring wiring;
   wiring.signals = machine.signals;
+  wiring.gate_low = machine.laser.gate_low;
+  wiring.pwm_low = machine.laser.pwm_low;
   wiring.encoder_count_mm = machine.controller.encoder_count_mm;
   wiring.power_meter_delay_s = machine.power_monitor.delay_s;
   if (machine.kind == twin::MachineDescription::Kind::kGantry) {

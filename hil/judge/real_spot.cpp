@@ -11,6 +11,7 @@
 #include "hil/camera/v4l2/frame_recording.h"
 #include "hil/camera/v4l2/light_clock.h"
 #include "hil/camera/v4l2/v4l2_frames.h"
+#include "hil/judge/pin_wiring.h"
 #include "hil/vision/spot/light_seen.h"
 #include "twin/base/image.h"
 #include "twin/base/statistics.h"
@@ -148,16 +149,14 @@ std::string clockFact(const camera::CameraClock& clock, double stamp_s) {
 }
 
 /// Gate and PWM together.
-camera::LightProfile profileOf(const source::PinRecording& pins, const SignalMap& map) {
+camera::LightProfile profileOf(const source::PinRecording& pins, const evidence::PinWiring& wiring) {
   std::vector<camera::LightProfile::Step> steps;
-  const auto gate = map.pin(Signal::kLaserGate);
-  const auto pwm = map.pin(Signal::kLaserPwm);
-  bool is_gate_open = !gate;
-  bool is_pwm_high = !pwm;
+  std::optional<evidence::ActiveLine> gate = evidence::gateLine(wiring);
+  std::optional<evidence::ActiveLine> pwm = evidence::pwmLine(wiring);
   for (const PinEvent& event : pins.outputs.streamed()) {
-    if (gate && event.port == gate->port) is_gate_open = (event.level >> gate->bit & 1U) != 0;
-    if (pwm && event.port == pwm->port) is_pwm_high = (event.level >> pwm->bit & 1U) != 0;
-    const bool is_on = is_gate_open && is_pwm_high;
+    if (gate) gate->take(event);
+    if (pwm) pwm->take(event);
+    const bool is_on = (!gate || gate->isActive()) && (!pwm || pwm->isActive());
     if (steps.empty() ? is_on : steps.back().is_on != is_on)
       steps.push_back({pins.rate.seconds(event.tick), is_on});
   }
@@ -198,7 +197,7 @@ RealSpot lookAtRealSpot(const scenario::Case& test_case, const std::filesystem::
                             survey.report.ended_early);
     return spot;
   }
-  const camera::LightProfile profile = profileOf(pins, test_case.machine.signals);
+  const camera::LightProfile profile = profileOf(pins, pinWiring(test_case));
   const camera::CameraClockFit fit =
       camera::fitLightClock(survey.lights, lightIntervals(laser, test_case.machine.signals), &profile,
                             survey.period_s, clockOptions(choice, test_case.machine.signals));

@@ -34,7 +34,7 @@ vision::SpotTrackOptions spotTrackOptions(const scenario::Case& test_case, visio
 std::unique_ptr<SpotWatch> SpotWatch::of(const scenario::Case& test_case, camera::MachineCameras& cameras,
                                          TickRate rate, int threads) {
   const scenario::Scenario& scenario = test_case.scenario;
-  const std::optional<PinId> gate = pinWiring(test_case).signals.pin(Signal::kLaserGate);
+  const std::optional<evidence::ActiveLine> gate = evidence::gateLine(pinWiring(test_case));
   const bool is_stopped = scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
   if (threads < 2 || scenario.cameras.spot.is_real || is_stopped || !gate) return nullptr;
   scenario::BenchCameras calibrated = scenario::readCalibrations(test_case);
@@ -46,7 +46,8 @@ std::unique_ptr<SpotWatch> SpotWatch::of(const scenario::Case& test_case, camera
 }
 
 SpotWatch::SpotWatch(const scenario::Case& test_case, std::unique_ptr<camera::FramesMeanwhile> frames,
-                     vision::CameraCalibration calibration, PinId gate, TickRate rate, int threads)
+                     vision::CameraCalibration calibration, evidence::ActiveLine gate, TickRate rate,
+                     int threads)
     : test_case_(test_case),
       frames_(std::move(frames)),
       calibration_(std::move(calibration)),

@@ -45,7 +45,7 @@ class SpotWatch {
 
  private:
   SpotWatch(const scenario::Case& test_case, std::unique_ptr<camera::FramesMeanwhile> frames,
-            vision::CameraCalibration calibration, PinId gate, TickRate rate, int threads);
+            vision::CameraCalibration calibration, evidence::ActiveLine gate, TickRate rate, int threads);
   void measure(int threads);
 
   const scenario::Case& test_case_;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "hil/evidence/active_line.h"
 #include "hil/inspect/evidence/evidence.h"
 #include "twin/base/pin_event.h"
 
@@ -15,7 +16,7 @@ namespace kerfbench::judge {
 class WantedSpan {
  public:
   /// `lag_s`: what is known of the run ends so long before now, >= 0.
-  WantedSpan(PinId gate, TickRate rate, double margin_s, double lag_s)
+  WantedSpan(evidence::ActiveLine gate, TickRate rate, double margin_s, double lag_s)
       : gate_(gate), rate_(rate), margin_s_(margin_s), lag_s_(lag_s) {}
 
   /// The controller's events up to `until`, by tick.
@@ -27,12 +28,11 @@ class WantedSpan {
   [[nodiscard]] std::optional<inspect::Span> inAll() const;
 
  private:
-  PinId gate_;
+  evidence::ActiveLine gate_;
   TickRate rate_;
   double margin_s_;
   double lag_s_;
   double now_s_{0.0};
-  bool open_{false};
   std::optional<double> first_on_s_;
   double last_off_s_{0.0};
 };

@@ -14,7 +14,7 @@ source::PinCapture captureAnalyserCase(const scenario::Case& test_case, source::
   const scenario::AnalyserChoice& choice = test_case.scenario.firmware.analyser;
   source::AnalyserCaptureOptions options = scenario::captureOptions(choice);
   options.time_limit_s = test_case.scenario.time_limit_s;
-  options.low_at_start = scenario::countedRising(test_case.machine);
+  options.at_start = scenario::startLevels(test_case.machine);
   console.say(fmt::format(
       "  listening to {} channels by {} at {} Hz: start the job; it is over when they are quiet for {} s",
       options.signals.size(), choice.driver, choice.samplerate_hz, options.quiet_s));

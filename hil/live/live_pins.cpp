@@ -100,7 +100,7 @@ LivePins runLive(const scenario::Case& test_case, const twin::SampledMachine& sa
   const scenario::Scenario& scenario = test_case.scenario;
   try {
     source::GpioLiveOptions options = scenario::liveOptions(scenario.firmware.gpio, pins.chips());
-    options.in.low_at_start = scenario::countedRising(test_case.machine);
+    options.in.at_start = scenario::startLevels(test_case.machine);
     options.ends_when_quiet = job.dialog == nullptr;
     run::LiveModel model(sampled.machine, scenario::webOn(sampled.machine, test_case),
                          source::GpioLiveSource::kRate, scenario.seed, wantsLimits(test_case));

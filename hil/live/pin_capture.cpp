@@ -21,7 +21,7 @@ source::PinCapture captureCase(const scenario::Case& test_case,
   try {
     source::GpioCaptureOptions options = scenario::captureOptions(test_case.scenario.firmware.gpio, chips);
     options.time_limit_s = test_case.scenario.time_limit_s;
-    options.low_at_start = scenario::countedRising(test_case.machine);
+    options.at_start = scenario::startLevels(test_case.machine);
     console.say(
         fmt::format("  listening to {} lines of {}: start the job; it is over when they are quiet for {} s",
                     options.wires.size(), options.chip.string(), options.quiet_s));

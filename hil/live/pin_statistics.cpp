@@ -40,7 +40,7 @@ PinStatistics pinStatistics(const source::PinRecording& recording, const SignalM
   std::vector<std::pair<PinId, LineEar>> ears;
   for (std::size_t i = 0; i < kSignalCount; ++i) {
     const auto signal = static_cast<Signal>(i);
-    if (const auto pin = map.pin(signal); pin && !isSensor(signal))
+    if (const auto pin = map.pin(signal); map.hasOwnWire(signal) && !isSensor(signal))
       ears.emplace_back(*pin, LineEar(signal, recording.rate));
   }
   PinStatistics heard;

@@ -5,6 +5,7 @@
 
 #include "hil/run/release.h"
 #include "hil/scenario/analyser_choice.h"
+#include "hil/scenario/pul_axes.h"
 #include "hil/source/analyser/sr_file.h"
 
 namespace kerfbench::live {
@@ -23,10 +24,32 @@ source::ChannelNames namesOf(const scenario::Case& test_case) {
     const auto signal = static_cast<Signal>(i);
     const bool is_named =
         std::ranges::find(names, signal, &source::ChannelNames::value_type::first) != names.end();
-    if (!is_named && !isSensor(signal) && test_case.machine.signals.pin(signal))
+    if (!is_named && !isSensor(signal) && test_case.machine.signals.hasOwnWire(signal))
       names.emplace_back(signal, signalName(signal));
   }
   return names;
+}
+
+/// Whether a pin is low until its first edge, and not only until the levels at the start are told.
+bool startsLow(const source::PinRecording& recording, PinId pin) {
+  for (const PinEvent& event : recording.outputs.streamed()) {
+    if (event.tick > 1) break;
+    if (event.port == pin.port && (event.level >> pin.bit & 1U) != 0) return false;
+  }
+  return true;
+}
+
+/// Files of other programs tell levels of real pins, or of pins that something drives.
+void tellWrongStart(const twin::MachineDescription& machine, source::PinRecording& recording) {
+  if (recording.own) return;
+  const source::StartLevels wanted = scenario::startLevels(machine);
+  for (const Signal signal : wanted.high) {
+    const std::optional<PinId> pin = machine.signals.pin(signal);
+    if (!pin || !startsLow(recording, *pin)) continue;
+    const std::string words = source::wrongAtStartWords(signal, false, wanted);
+    if (std::ranges::find(recording.problems, words) == recording.problems.end())
+      recording.problems.push_back(words);
+  }
 }
 
 source::PinRecording readSession(const std::filesystem::path& path, const scenario::Case& test_case,
@@ -48,9 +71,12 @@ source::PinRecording readSession(const std::filesystem::path& path, const scenar
 source::PinRecording readRecording(const std::filesystem::path& path, const scenario::Case& test_case,
                                    const base::ProgressFn& progress) {
   try {
-    return path.extension() == ".sr"
-               ? readSession(path, test_case, progress)
-               : source::readVcd(path, test_case.machine.signals, test_case.scenario.wires, progress);
+    source::PinRecording recording =
+        path.extension() == ".sr"
+            ? readSession(path, test_case, progress)
+            : source::readVcd(path, test_case.machine.signals, test_case.scenario.wires, progress);
+    tellWrongStart(test_case.machine, recording);
+    return recording;
   } catch (const std::runtime_error& e) {
     throw base::InputError(e.what());
   }

@@ -27,6 +27,7 @@ DriverProfile readDriver(base::YamlReader& entry) {
   profile.hold_s = kMicro * entry.number("hold_us", {.min = 0, .max = 1000});
   profile.width_s = kMicro * entry.number("width_us", {.min = 0, .max = 1000});
   profile.space_s = kMicro * entry.number("space_us", {.min = 0, .max = 1000});
+  profile.enable_setup_s = kMicro * entry.number("enable_setup_us", {.min = 0, .max = 1e6, .fallback = 0.0});
   return profile;
 }
 

@@ -139,12 +139,13 @@ void readTransmissionSpring(base::YamlReader& axis, Load load, AxisDescription& 
   }
 }
 
-/// Levels of PUL and DIR where the axis has them otherwise than the catalogue's driver: by its wiring, or a
-/// switch on the drive.
+/// Levels of PUL, DIR and enable where the axis has them otherwise than the catalogue's driver: by its
+/// wiring, or a switch on the drive.
 void readPolarity(base::YamlReader& axis, DriverProfile& profile) {
   const char* const usual = profile.active_edge_rising ? "rising" : "falling";
   profile.active_edge_rising = axis.choice("active_edge", {"rising", "falling"}, usual) == "rising";
   profile.dir_low = axis.boolean("dir_low", false);
+  profile.enable_low = axis.boolean("enable_low", false);
 }
 
 }  // namespace

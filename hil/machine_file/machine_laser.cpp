@@ -56,6 +56,8 @@ twin::LaserDescription readLaser(base::YamlReader laser) {
   result.noise_correlation_s =
       kMilli * laser.number("noise_correlation_ms", {.min = 0.01, .max = 1e6, .fallback = 1.0});
   result.drift = kPercent * laser.number("drift_percent", {.min = -50, .max = 50, .fallback = 0.0});
+  result.gate_low = laser.boolean("gate_low", false);
+  result.pwm_low = laser.boolean("pwm_low", false);
   result.drift_time_s = laser.number("drift_time_s", {.min = 0.1, .max = 1e5, .fallback = 600.0});
   return result;
 }

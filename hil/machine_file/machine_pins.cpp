@@ -41,7 +41,7 @@ std::vector<Signal> neededSignals(MachineDescription::Kind kind) {
 
 SignalMap readPins(base::YamlReader pins, MachineDescription::Kind kind) {
   SignalMap map;
-  std::map<PinId, std::string_view> users;
+  std::map<PinId, Signal> users;
   const std::vector<Signal> needed = neededSignals(kind);
   for (std::size_t i = 0; i < kSignalCount; ++i) {
     const auto signal = static_cast<Signal>(i);
@@ -54,15 +54,17 @@ SignalMap readPins(base::YamlReader pins, MachineDescription::Kind kind) {
     const auto pin = pinFromName(pin_name);
     if (!pin) {
       pins.fault(name, fmt::format("'{}' is no pin like PA0 or P1.0", pin_name));
-    } else if (!users.emplace(*pin, name).second) {
-      pins.fault(name,
-                 fmt::format("{} is given to {} and to {}{}", pin_name, users[*pin], name,
-                             signal == Signal::kLaserPwm && users[*pin] == signalName(Signal::kLaserGate)
-                                 ? ": a pin that is both is the gate, with `laser_pwm: ~`"
-                                 : ""));
-    } else {
-      map.assign(signal, *pin);
+      continue;
     }
+    const Signal user = users.emplace(*pin, signal).first->second;
+    if (user != signal && !(isEnable(user) && isEnable(signal))) {
+      pins.fault(name, fmt::format("{} is given to {} and to {}{}", pin_name, signalName(user), name,
+                                   signal == Signal::kLaserPwm && user == Signal::kLaserGate
+                                       ? ": a pin that is both is the gate, with `laser_pwm: ~`"
+                                       : ""));
+      continue;
+    }
+    map.assign(signal, *pin);
   }
   return map;
 }

@@ -67,18 +67,21 @@ std::string pulseFigures(const RunReport& report) {
   if (report.pulses.empty()) return {};
   std::string html =
       "<table><thead><tr><th>Axis<th>Drive<th class=num>Pulses<th class=num>DIR set-up, µs<th class=num>DIR "
-      "hold, µs<th class=num>Width, µs<th class=num>Space, µs<th class=num>Violations<th "
+      "hold, µs<th class=num>Width, µs<th class=num>Space, µs<th class=num>Enable, µs<th "
+      "class=num>Violations<th "
       "class=num>First, s</tr></thead><tbody>";
   std::string plots;
   for (const PulseTiming& t : report.pulses) {
-    const std::uint64_t violations =
-        t.setup_violations + t.hold_violations + t.width_violations + t.space_violations;
+    const std::uint64_t violations = t.setup_violations + t.hold_violations + t.width_violations +
+                                     t.space_violations + t.enable_setup_violations + t.disabled_pulses;
     html += fmt::format("<tr><td>{}<td>{}<td class=num>{}", escapeHtml(t.axis), escapeHtml(t.profile.name),
                         t.pulses);
     html += timeCell(t.min_setup_s, t.profile.setup_s, t.setup_violations);
     html += timeCell(t.min_hold_s, t.profile.hold_s, t.hold_violations);
     html += timeCell(t.min_width_s, t.profile.width_s, t.width_violations);
     html += timeCell(t.min_space_s, t.profile.space_s, t.space_violations);
+    html += t.has_enable ? timeCell(t.min_enable_setup_s, t.profile.enable_setup_s, t.enable_setup_violations)
+                         : "<td class=num>–";
     html += fmt::format("<td class='num{}'>{}<td class=num>{}</tr>", violations > 0 ? " hit" : "", violations,
                         t.first_violation_s >= 0.0 ? fmt::format("{:.6f}", t.first_violation_s) : "–");
     if (t.pulses > 0 && !t.setup_histogram.empty() && t.setup_bin_s > 0.0) plots += histogram(t);

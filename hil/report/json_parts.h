@@ -127,6 +127,11 @@ J pulseJson(const PulseTiming& t) {
   j["min_hold_us"] = rounded(1e6 * t.min_hold_s);
   j["min_width_us"] = rounded(1e6 * t.min_width_s);
   j["min_space_us"] = rounded(1e6 * t.min_space_s);
+  if (t.has_enable) {
+    j["disabled_pulses"] = t.disabled_pulses;
+    j["enable_setup_violations"] = t.enable_setup_violations;
+    j["min_enable_setup_us"] = rounded(1e6 * t.min_enable_setup_s);
+  }
   j["first_violation_s"] = rounded(t.first_violation_s);
   return j;
 }

@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <initializer_list>
+#include <array>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "hil/base/add_to_list.h"
@@ -51,14 +52,21 @@ std::vector<PinLine> readLines(base::YamlReader& firmware, const char* section, 
 
 void addUnknown(const std::vector<PinLine>& lines, const SignalMap& machine, std::string& faults) {
   for (const PinLine& line : lines) {
-    if (!machine.pin(line.signal)) base::addToList(faults, line.place + ": the machine has no such pin");
+    if (!machine.pin(line.signal)) {
+      base::addToList(faults, line.place + ": the machine has no such pin");
+    } else if (!machine.hasOwnWire(line.signal)) {
+      base::addToList(faults, line.place +
+                                  ": the machine has this pin for another enable as well; name the "
+                                  "line of the first of them alone");
+    }
   }
 }
 
-void addMissing(const char* section, const std::vector<PinLine>& lines, std::initializer_list<Signal> wanted,
+void addMissing(const char* section, const std::vector<PinLine>& lines, std::span<const Signal> wanted,
                 const std::string& place, const SignalMap& machine, std::string& faults) {
   for (const Signal signal : wanted) {
-    if (!machine.pin(signal) || std::ranges::find(lines, signal, &PinLine::signal) != lines.end()) continue;
+    if (!machine.hasOwnWire(signal) || std::ranges::find(lines, signal, &PinLine::signal) != lines.end())
+      continue;
     base::addToList(faults, fmt::format("{}: firmware.{} has no line for {}, which the machine has", place,
                                         section, signalName(signal)));
   }
@@ -129,27 +137,25 @@ std::vector<PinLine> readPinLines(base::YamlReader& firmware) { return readLines
 
 std::string faultsOf(const std::vector<PinLine>& lines, const std::string& place, const SignalMap& machine,
                      bool gantry) {
+  static constexpr std::array kAlways{Signal::kLaserGate,    Signal::kLaserPwm,      Signal::kGalvoXEnable,
+                                      Signal::kGalvoYEnable, Signal::kGantryXEnable, Signal::kGantryYEnable,
+                                      Signal::kFeedEnable};
+  static constexpr std::array kGantry{Signal::kGantryXPul, Signal::kGantryXDir, Signal::kGantryYPul,
+                                      Signal::kGantryYDir};
+  static constexpr std::array kGalvos{Signal::kGalvoXPul, Signal::kGalvoXDir, Signal::kGalvoYPul,
+                                      Signal::kGalvoYDir};
   std::string faults;
   addUnknown(lines, machine, faults);
-  addMissing("lines", lines, {Signal::kLaserGate, Signal::kLaserPwm}, place, machine, faults);
-  if (gantry) {
-    addMissing("lines", lines,
-               {Signal::kGantryXPul, Signal::kGantryXDir, Signal::kGantryYPul, Signal::kGantryYDir}, place,
-               machine, faults);
-  } else {
-    addMissing("lines", lines,
-               {Signal::kGalvoXPul, Signal::kGalvoXDir, Signal::kGalvoYPul, Signal::kGalvoYDir}, place,
-               machine, faults);
-  }
+  addMissing("lines", lines, kAlways, place, machine, faults);
+  addMissing("lines", lines, gantry ? kGantry : kGalvos, place, machine, faults);
   return faults;
 }
 
 std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, const WiringNeeds& needs) {
   std::string faults = faultsOf(choice.lines, choice.place, machine, needs.gantry);
   addUnknown(choice.outputs, machine, faults);
-  if (needs.moving_sheet)
-    addMissing("outputs", choice.outputs, {Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark},
-               choice.place, machine, faults);
+  static constexpr std::array kOfSheet{Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark};
+  if (needs.moving_sheet) addMissing("outputs", choice.outputs, kOfSheet, choice.place, machine, faults);
   return faults;
 }
 

@@ -12,12 +12,13 @@ std::array<std::pair<Signal, const twin::AxisDescription*>, 5> pulAxes(
            {Signal::kFeedPul, &machine.belt.feed}}};
 }
 
-std::vector<Signal> countedRising(const twin::MachineDescription& machine) {
-  std::vector<Signal> rising;
+source::StartLevels startLevels(const twin::MachineDescription& machine) {
+  source::StartLevels levels;
   for (const auto& [signal, axis] : pulAxes(machine)) {
-    if (axis->profile.active_edge_rising) rising.push_back(signal);
+    if (axis->profile.active_edge_rising) levels.low.push_back(signal);
   }
-  return rising;
+  if (machine.laser.gate_low) levels.high.push_back(Signal::kLaserGate);
+  return levels;
 }
 
 }  // namespace kerfbench::scenario

@@ -3,8 +3,8 @@
 
 #include <array>
 #include <utility>
-#include <vector>
 
+#include "hil/source/pin_capture.h"
 #include "twin/base/signal_map.h"
 #include "twin/description/description.h"
 
@@ -13,6 +13,8 @@ namespace kerfbench::scenario {
 /// PUL of each axis that a machine can have, with its axis; for machines without one it says nothing.
 std::array<std::pair<Signal, const twin::AxisDescription*>, 5> pulAxes(
     const twin::MachineDescription& machine);
-/// PUL of the drives that count its rising edges.
-std::vector<Signal> countedRising(const twin::MachineDescription& machine);
+/// Levels that a machine's lines must have before the first edge: PULs of drives that count rising edges are
+/// low, and a gate that is active while low is high.
+source::StartLevels startLevels(const twin::MachineDescription& machine);
+
 }  // namespace kerfbench::scenario

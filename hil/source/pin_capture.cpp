@@ -15,10 +15,12 @@ void spoilEnd(PinRecording& recording, std::uint16_t port) {
   recording.outputs.push_back({recording.end, port, 0, level, PinEvent::kGap});
 }
 
-std::string highAtStartWords(const std::string& signal) {
-  return signal +
-         " is high at the start, and its drive counts rising edges: polarity or wiring is not as the machine "
-         "file has it";
+std::string wrongAtStartWords(Signal signal, bool level, const StartLevels& wanted) {
+  const std::vector<Signal>& others = level ? wanted.low : wanted.high;
+  if (std::ranges::find(others, signal) == others.end()) return {};
+  return fmt::format("{} is {} at the start, and {}: polarity or wiring is not as the machine file has it",
+                     signalName(signal), level ? "high" : "low",
+                     level ? "its drive counts rising edges" : "the laser may emit while it is low");
 }
 
 std::string timeLimitWords(double time_limit_s, bool any_edge) {

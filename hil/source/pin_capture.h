@@ -19,8 +19,14 @@ struct PinCapture {
 /// Ends a recording that has problems with a gap on a port that was captured, so that a replay has it too.
 void spoilEnd(PinRecording& recording, std::uint16_t port);
 
-/// Sentence on a signal that was high when the capture began.
-std::string highAtStartWords(const std::string& signal);
+/// Levels that signals must have before the first edge. Recordings have all pins low there.
+struct StartLevels {
+  std::vector<Signal> low;   ///< High ones would give drives that count rising edges one that was none.
+  std::vector<Signal> high;  ///< Low ones would be taken for inactive, as pins that nobody drives.
+};
+
+/// Sentence on a signal that had the wrong level when the capture began; empty for the right one.
+std::string wrongAtStartWords(Signal signal, bool level, const StartLevels& wanted);
 /// Sentence on a capture that reached its time limit, after some edge or none.
 std::string timeLimitWords(double time_limit_s, bool any_edge);
 inline constexpr const char* kTooManyEdgesWords = "more edges came than a recording holds";

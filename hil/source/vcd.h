@@ -49,8 +49,8 @@ using ChannelNames = std::vector<std::pair<Signal, std::string>>;
 /// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly
 /// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
 /// for: the exact tick, its error, the end of the run, gaps, problems, and what the controller sent. Only
-/// wired signals are written; what a port does on other pins is lost.
-/// The last line is the SHA-256 of all before it, which is returned: equal for equal recordings.
+/// signals with a wire of their own are written (SignalMap::hasOwnWire); what a port does on other pins is
+/// lost. The last line is the SHA-256 of all before it, which is returned: equal for equal recordings.
 /// @throws std::invalid_argument if the events are not in order, std::system_error with the path.
 std::string writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map,
                      const base::ProgressFn& progress = {});

@@ -101,7 +101,7 @@ class Reader {
     }
     for (std::size_t i = 0; i < kSignalCount; ++i) {
       const auto signal = static_cast<Signal>(i);
-      if (map_.pin(signal) && !isSensor(signal) && !seen_[i]) {
+      if (map_.hasOwnWire(signal) && !isSensor(signal) && !seen_[i]) {
         fault("no wire " + nameOf(signal) + ", which the machine has" + std::exchange(strangers_, {}));
       }
       if (isSensor(signal) && seen_[i]) recording_.sensor_wires.push_back(signal);
@@ -244,7 +244,7 @@ class Reader {
     if (wires_.size() >= kMaxWires) giveUp("more than " + std::to_string(kMaxWires) + " wires");
     Wire wire{signalOf(words[3]), *width, {}, {}};
     if (!wire.signal) addStranger(words[3]);
-    if (wire.signal && !map_.pin(*wire.signal)) wire.signal.reset();
+    if (wire.signal && !map_.hasOwnWire(*wire.signal)) wire.signal.reset();
     if (wire.signal) wire.pin = *map_.pin(*wire.signal);
     if (wire.signal) {
       if (*width != 1) return fault(std::string(words[3]) + " must be a wire of 1 bit");

@@ -22,7 +22,17 @@ namespace {
 constexpr std::size_t kPiece = std::size_t{1} << 18U;
 constexpr std::uint64_t kBytesOfAnEvent = 15;  // About 12 characters a stamp and 3 a change.
 
-char identifier(Signal signal) { return static_cast<char>('!' + static_cast<int>(signal)); }
+/// Enables have the letters after all others: a recording without them has the bytes that it had before there
+/// were any.
+char identifier(Signal signal) {
+  constexpr int kFirst = static_cast<int>(Signal::kGalvoXEnable);
+  constexpr int kEnables = static_cast<int>(Signal::kFeedEnable) + 1 - kFirst;
+  const int place = static_cast<int>(signal);
+  const int letter = isEnable(signal) ? place + static_cast<int>(kSignalCount) - kFirst - kEnables
+                     : place < kFirst ? place
+                                      : place - kEnables;
+  return static_cast<char>('!' + letter);
+}
 
 class Writer {
  public:
@@ -37,7 +47,7 @@ class Writer {
     for (std::size_t i = 0; i < kSignalCount; ++i) {
       const auto signal = static_cast<Signal>(i);
       const auto pin = map.pin(signal);
-      if (!pin) continue;
+      if (!pin || !map.hasOwnWire(signal)) continue;
       wired_.push_back(signal);
       if (!isSensor(signal)) outputs_.push_back({signal, *pin});
     }

@@ -200,6 +200,16 @@ TEST_F(Grbl, WithConstantPowerBurnsItsCorners) {
               testing::StartsWith("The laser keeps its power where the beam is slow"));
 }
 
+TEST_F(Grbl, WithItsEnableInvertedFailsAndNamesIt) {
+  EXPECT_EQ(plateWith(std::string(kSetup) + ", $4=1").exit_code, 1);
+  EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("pulse_timing"));
+  EXPECT_THAT(verdict().dump(), HasSubstr("pulses while the drive was disabled"));
+}
+
+TEST_F(Grbl, ThatHoldsItsDrivesEnabledPasses) {
+  EXPECT_EQ(plateWith(std::string(kSetup) + ", $1=255").exit_code, 0);
+}
+
 TEST_F(Grbl, ThatAcceleratesBeyondItsDrivesFails) {
   EXPECT_EQ(plateWith(std::string(kSetup) + ", $120=20000, $121=20000").exit_code, 1);
   EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("pulse_timing"));

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/scenarios/scenario_runs.h"
 
@@ -46,17 +47,26 @@ ProgramRun runOfOrderedLabel(const std::string& more, const ScratchFolder& scrat
   return fastRunOf(scenarioWith("native/label-on-belt.yaml", keys, scratch), scratch);
 }
 
-/// Writes a recording again with DIR of the X mirror the other way round, and without a sum, as an analyser
-/// of another house would write it.
-void invertX(const std::filesystem::path& from, const std::filesystem::path& to) {
+/// Writes a recording again with these signals the other way round, and without a sum, as an analyser of
+/// another house would write it.
+void invert(const std::vector<std::string>& signals, const std::filesystem::path& from,
+            const std::filesystem::path& to) {
   std::istringstream in(textOf(from));
   std::ofstream out(to);
-  std::string id = "?";
+  std::string ids;
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("$var wire 1 ") && line.ends_with(" galvo_x_dir $end")) id = line.substr(12, 1);
-    if (line == "0" + id || line == "1" + id) line[0] = line[0] == '0' ? '1' : '0';
+    for (const std::string& signal : signals)
+      if (line.starts_with("$var wire 1 ") && line.ends_with(" " + signal + " $end")) ids += line[12];
+    const bool is_change = line.size() == 2 && (line[0] == '0' || line[0] == '1');
+    if (is_change && ids.find(line[1]) != std::string::npos) line[0] = line[0] == '0' ? '1' : '0';
     if (!line.starts_with("$comment kerfbench sum ")) out << line << '\n';
   }
+}
+
+ProgramRun fastReplayOf(const std::filesystem::path& pins, const std::filesystem::path& scenario,
+                        const ScratchFolder& scratch) {
+  return kerfbench(fmt::format("replay '{}' --scenario '{}' --no-pictures --twin fast --results-dir '{}'",
+                               pins.string(), scenario.string(), scratch.path().string()));
 }
 
 /// One label, on a belt of these keys, by a release whose X axis runs the wrong way.
@@ -65,10 +75,8 @@ void invertedXFails(const std::string& belt) {
   const std::filesystem::path scenario =
       scenarioWith("native/label-on-belt.yaml", "name: label\nprint: {units: 1}\n" + belt, scratch);
   ASSERT_EQ(fastRunOf(scenario, scratch).exit_code, 0);
-  invertX(scratch.path() / "label/pins.vcd", scratch.path() / "inverted.vcd");
-  const ProgramRun run = kerfbench(
-      fmt::format("replay '{}' --scenario '{}' --no-pictures --twin fast --results-dir '{}'",
-                  (scratch.path() / "inverted.vcd").string(), scenario.string(), scratch.path().string()));
+  invert({"galvo_x_dir"}, scratch.path() / "label/pins.vcd", scratch.path() / "inverted.vcd");
+  const ProgramRun run = fastReplayOf(scratch.path() / "inverted.vcd", scenario, scratch);
   EXPECT_EQ(run.exit_code, 1) << run.output;
   const nlohmann::json verdict = verdictOf(scratch.path() / "label-replay");
   EXPECT_THAT(checksThat(verdict, "FAIL"), AllOf(Contains("path"), Contains("coverage"), Contains("stray")))
@@ -158,12 +166,36 @@ TEST(GoodRelease, DrivesOfOtherLevelsAreServedAndJudgedByThem) {
 TEST(GoodRelease, ARecordingOfOneSenseOfDirFailsOnAMachineOfTheOther) {
   const ScratchFolder scratch;
   ASSERT_EQ(runOfLevels("galvo_y: {dir_low: true}\n", scratch).exit_code, 0);
-  const ProgramRun run = kerfbench(fmt::format(
-      "replay '{}' --scenario '{}' --no-pictures --twin fast --results-dir '{}'",
-      (scratch.path() / "levels/pins.vcd").string(),
-      scenarioWith("native/label-on-belt.yaml", "name: usual\nprint: {units: 1}\n", scratch).string(),
-      scratch.path().string()));
+  const ProgramRun run = fastReplayOf(
+      scratch.path() / "levels/pins.vcd",
+      scenarioWith("native/label-on-belt.yaml", "name: usual\nprint: {units: 1}\n", scratch), scratch);
   EXPECT_EQ(run.exit_code, 1) << run.output;
+}
+
+TEST(GoodRelease, ALaserThatListensToLowLevelsIsJudgedByThem) {
+  const ScratchFolder scratch;
+  const auto scenario = [&](const std::string& name, const std::string& machine) {
+    return scenarioWith("native/label-on-belt.yaml", "name: " + name + "\nprint: {units: 1}\n" + machine,
+                        scratch);
+  };
+  ASSERT_EQ(fastRunOf(scenario("high", ""), scratch).exit_code, 0);
+  std::ofstream(scratch.path() / "machine.yaml")
+      << "extends: " << fixture("machines/two-mirror.yaml").string()
+      << "\nname: low\nlaser: {gate_low: true, pwm_low: true}\n";
+  const std::filesystem::path inverted = scratch.path() / "inverted.vcd";
+  invert({"laser_gate", "laser_pwm"}, scratch.path() / "high/pins.vcd", inverted);
+  const ProgramRun low = fastReplayOf(inverted, scenario("low", "machine: machine.yaml\n"), scratch);
+  EXPECT_EQ(low.exit_code, 0) << low.output;
+  EXPECT_EQ(verdictOf(scratch.path() / "low-replay").at("checks"),
+            verdictOf(scratch.path() / "high").at("checks"));
+
+  const ProgramRun wrong =
+      fastReplayOf(scratch.path() / "high/pins.vcd", scenario("wrong", "machine: machine.yaml\n"), scratch);
+  EXPECT_EQ(wrong.exit_code, 1) << wrong.output;
+  EXPECT_THAT(verdictOf(scratch.path() / "wrong-replay").at("likely_cause").get<std::string>(),
+              testing::StartsWith("The laser's gate is open between the cuts and closed in them: invert the "
+                                  "gate in the firmware, or set `laser.gate_low: false`"))
+      << wrong.output;
 }
 
 TEST(BadRelease, DirLateFailsByPulseTiming) { failsBy("dir-late", "pulse_timing", kOneUnit); }

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 namespace kerfbench::twin {
 namespace {
@@ -36,14 +37,15 @@ PinDecoder::Wire PinDecoder::wire(const SignalMap& map, Signal signal) {
 
 PinDecoder::PinDecoder(const MachineDescription& machine, const WebDescription& web, TickRate rate)
     : rate_(rate),
-      gate_wire_(wire(machine.signals, Signal::kLaserGate)),
-      pwm_wire_(wire(machine.signals, Signal::kLaserPwm)) {
-  if (pwm_wire_.mask == 0) pwm_.set(-std::numeric_limits<double>::max(), true);
+      gate_input_{wire(machine.signals, Signal::kLaserGate), machine.laser.gate_low},
+      pwm_input_{wire(machine.signals, Signal::kLaserPwm), machine.laser.pwm_low} {
+  if (pwm_input_.wire.mask == 0) pwm_.set(-std::numeric_limits<double>::max(), true);
   for (const auto& [axis, pul, dir] : kAxes) {
     const bool wired = machine.signals.pin(pul) && machine.signals.pin(dir);
     if (!wired || !isFitted(machine, web, axis)) continue;
-    inputs_.push_back({axis, wire(machine.signals, pul), wire(machine.signals, dir),
-                       PulseDecoder(axisOf(machine, axis).profile)});
+    const Wire enable = wire(machine.signals, enableOf(pul));
+    inputs_.push_back({axis, wire(machine.signals, pul), wire(machine.signals, dir), enable,
+                       PulseDecoder(axisOf(machine, axis).profile, enable.mask != 0)});
   }
   std::uint16_t last_port = 0;
   for (std::size_t i = 0; i < kSignalCount; ++i) {
@@ -60,12 +62,16 @@ void PinDecoder::decode(const PinEvent& event, MachineModel& model) {
   const double time_s = rate_.seconds(event.tick);
   const auto moved = [&](Wire wire) { return wire.port == event.port && (wire.mask & changed) != 0; };
   for (Input& input : inputs_) {
-    if (!moved(input.pul) && !moved(input.dir)) continue;
-    input.decoder.levels(time_s, high(input.pul), high(input.dir), model.command(input.axis).incoming());
+    const bool enable_moved = moved(input.enable);
+    if (!enable_moved && !moved(input.pul) && !moved(input.dir)) continue;
+    std::vector<StepEdge>& steps = model.command(input.axis).incoming();
+    if (enable_moved) input.decoder.enableLevel(time_s, high(input.enable), steps);
+    input.decoder.levels(time_s, high(input.pul), high(input.dir), steps);
   }
-  if (moved(pwm_wire_)) pwm_.set(time_s, high(pwm_wire_));
-  if (!moved(gate_wire_)) return;
-  gate_edges_.push(time_s);
+  if (moved(pwm_input_.wire)) pwm_.set(time_s, high(pwm_input_.wire) != pwm_input_.is_low);
+  if (!moved(gate_input_.wire)) return;
+  const bool open = high(gate_input_.wire) != gate_input_.is_low;
+  if (open != std::exchange(gate_open_, open)) gate_edges_.push(time_s);
 }
 
 void PinDecoder::settle(Tick now, MachineModel& model) {

@@ -25,7 +25,7 @@ class PinDecoder {
   /// States that there is no event until this tick.
   void settle(Tick now, MachineModel& model);
 
-  /// Duty of the laser's PWM; a PWM that is not wired is always high.
+  /// Demand by the laser's PWM; one that is not wired asks for full power always.
   [[nodiscard]] LevelTracker& pwm() { return pwm_; }
   /// Times at which the gate opened or closed, in turn; the reader removes them.
   [[nodiscard]] EdgeQueue& gateEdges() { return gate_edges_; }
@@ -38,8 +38,15 @@ class PinDecoder {
   };
   struct Input {
     Axis axis{};
-    Wire pul, dir;
+    Wire pul, dir, enable;
     PulseDecoder decoder;
+  };
+
+  /// An input of the laser. Until its pin changes for the first time it is inactive, whatever its active
+  /// level is: a pin that nobody drives, as in a reset, is held there by the laser's supply.
+  struct LaserInput {
+    Wire wire;
+    bool is_low{};  ///< Active while the pin is low.
   };
 
   [[nodiscard]] static Wire wire(const SignalMap& map, Signal signal);
@@ -47,7 +54,8 @@ class PinDecoder {
 
   TickRate rate_;
   std::vector<Input> inputs_;
-  Wire gate_wire_, pwm_wire_;
+  LaserInput gate_input_, pwm_input_;
+  bool gate_open_{false};
   std::vector<std::uint16_t> ports_;  ///< Present levels of the ports.
   LevelTracker pwm_;
   EdgeQueue gate_edges_;

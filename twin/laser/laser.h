@@ -19,7 +19,7 @@ struct LaserDescription {
   double full_power_w{100.0};  ///< Power at demand 1; > 0.
   double rise_time_s{20e-6};   ///< Time constant of the tube's first-order response upwards; >= 0.
   double fall_time_s{20e-6};   ///< Time constant of the tube's first-order response downwards; >= 0.
-  /// Delay from the pins to the tube's demand; >= 0. Applied by the reader of the pins.
+  /// Delay from the pins to the tube's demand; >= 0. Applied by the reader of the pins, as the levels below.
   double gate_delay_s{0.0};
   /// Characteristic g: ascending in both, from (0, 0) to (1, 1). Empty: the straight line. The demand that it
   /// maps is the mean over `demand_filter_s`: a tube follows the duty of its PWM, not each pulse. Below a
@@ -30,6 +30,8 @@ struct LaserDescription {
   double noise_correlation_s{1e-3};  ///< Correlation time of the noise; 1e-5 … 1e4.
   double drift{};                    ///< Relative change of power by warming up, in the end; > -1.
   double drift_time_s{600.0};        ///< Time constant of warming up; > 0.
+  bool gate_low{};  ///< The laser may emit while the pin of its gate is low, else while high.
+  bool pwm_low{};   ///< The demand is the share of low at the pin of the PWM, else of high.
 };
 
 /// Everything that is wrong with a laser, in one line; empty when nothing is.

@@ -11,8 +11,10 @@ constexpr double kRounding_s = 1e-10;
 }  // namespace
 
 // Pins are low at first: a drive with a falling active edge then sees its active level without an edge.
-PulseDecoder::PulseDecoder(DriverProfile profile)
-    : profile_(std::move(profile)), active_(!profile_.active_edge_rising) {}
+PulseDecoder::PulseDecoder(DriverProfile profile, bool has_enable)
+    : profile_(std::move(profile)),
+      active_(!profile_.active_edge_rising),
+      enabled_(!has_enable || profile_.enabledBy(false)) {}
 
 void PulseDecoder::activeEdge(double time_s) {
   // A late DIR has not reached the latch: the drive steps in the old direction.
@@ -20,12 +22,22 @@ void PulseDecoder::activeEdge(double time_s) {
   edge_s_ = time_s;
   // A pause that is too short joins the two pulses to one.
   if (time_s - idle_s_ < profile_.space_s - kRounding_s) return;
+  if (!enabled_ || time_s - enable_s_ < profile_.enable_setup_s - kRounding_s) return;
   pending_ = true;
   pending_direction_ = profile_.senseOf(latched ? dir_ : old_dir_);
 }
 
 void PulseDecoder::idleEdge(double time_s) {
   idle_s_ = time_s;
+  pending_ = false;
+}
+
+void PulseDecoder::enableLevel(double time_s, bool level, std::vector<StepEdge>& steps) {
+  settle(time_s, steps);
+  const bool enabled = profile_.enabledBy(level);
+  if (enabled == enabled_) return;
+  enabled_ = enabled;
+  if (enabled) enable_s_ = time_s;
   pending_ = false;
 }
 

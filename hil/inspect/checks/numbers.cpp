@@ -110,9 +110,10 @@ void addKerf(const vision::KerfScan& scan, Numbers& n) {
 
 void addPins(const Evidence& evidence, Numbers& n) {
   for (const PulseTiming& t : evidence.pulses) {
-    for (const double s : {t.profile.setup_s, t.profile.hold_s, t.profile.width_s, t.profile.space_s})
+    for (const double s : {t.profile.setup_s, t.profile.hold_s, t.profile.width_s, t.profile.space_s,
+                           t.profile.enable_setup_s})
       n.need(s, "a time that a drive asks for");
-    for (const double s : {t.min_setup_s, t.min_hold_s, t.min_width_s, t.min_space_s})
+    for (const double s : {t.min_setup_s, t.min_hold_s, t.min_width_s, t.min_space_s, t.min_enable_setup_s})
       n.needTime(s, "a time of a pulse");
     n.need(t.first_violation_s, "the time of a violation");
   }

@@ -14,7 +14,7 @@
 namespace kerfbench::inspect::checks {
 namespace {
 
-/// One of the four times of a drive's data sheet.
+/// One of the times of a drive's data sheet.
 struct TimingItem {
   const char* kind;
   double seen_s;
@@ -26,7 +26,23 @@ std::vector<TimingItem> itemsOf(const PulseTiming& t) {
   return {{"DIR set-up", t.min_setup_s, t.profile.setup_s, t.setup_violations},
           {"DIR hold", t.min_hold_s, t.profile.hold_s, t.hold_violations},
           {"pulse width", t.min_width_s, t.profile.width_s, t.width_violations},
-          {"pulse space", t.min_space_s, t.profile.space_s, t.space_violations}};
+          {"pulse space", t.min_space_s, t.profile.space_s, t.space_violations},
+          {"time from enable to DIR or PUL", t.min_enable_setup_s, t.profile.enable_setup_s,
+           t.enable_setup_violations}};
+}
+
+/// Pulses that drives never saw, axis by axis, in sentences with a blank before each.
+std::string disabledWords(const std::vector<PulseTiming>& pulses) {
+  std::string words;
+  for (const PulseTiming& timing : pulses) {
+    if (timing.disabled_pulses == 0) continue;
+    words += fmt::format(
+        " {}: {} pulses while the drive was disabled; it is enabled while its enable line is {} "
+        "(`{}.enable_low`).",
+        timing.axis, timing.disabled_pulses, timing.profile.enable_low ? "low" : "high",
+        timing.axis == "feed" ? "belt.feed" : timing.axis);
+  }
+  return words;
 }
 
 }  // namespace
@@ -63,12 +79,14 @@ Check pulseTimingCheck(const Evidence& evidence) {
   }
   // The decoder's count is of whole ticks, and is not to be argued away by rounding.
   if (violations > 0 && check.verdict == Verdict::kPass) check.verdict = Verdict::kFail;
+  const std::string disabled = disabledWords(evidence.pulses);
+  if (!disabled.empty()) check.verdict = Verdict::kFail;
   check.subject = worst_axis->axis;
   check.explanation = fmt::format(
       "Of {} pulses on {} axes {} break a time of their drive; closest is the {} of {}: {:.4g} us, "
-      "where {} asks for {:.4g} us.",
+      "where {} asks for {:.4g} us.{}",
       pulses, evidence.pulses.size(), violations == 0 ? "none" : std::to_string(violations), worst.kind,
-      worst_axis->axis, 1e6 * worst.seen_s, worst_axis->profile.name, 1e6 * worst.required_s);
+      worst_axis->axis, 1e6 * worst.seen_s, worst_axis->profile.name, 1e6 * worst.required_s, disabled);
   if (worst_axis->first_violation_s >= 0.0) {
     check.explanation +=
         fmt::format(" The first violation on this axis is at {:.6f} s.", worst_axis->first_violation_s);

@@ -41,9 +41,10 @@ std::vector<std::string> problemsOf(const AnalyserCaptureOptions& options, const
                                     const RunRecorder& heard, const AnalyserEnd& end, bool too_many) {
   std::vector<std::string> problems;
   for (std::size_t i = 0; i < options.signals.size(); ++i) {
-    if ((heard.firstLevels() >> i & 1U) != 0 &&
-        std::ranges::find(options.low_at_start, options.signals[i]) != options.low_at_start.end())
-      problems.push_back(highAtStartWords(std::string(signalName(options.signals[i]))));
+    const bool level = (heard.firstLevels() >> i & 1U) != 0;
+    if (const std::string words = wrongAtStartWords(options.signals[i], level, options.at_start);
+        !words.empty())
+      problems.push_back(words);
   }
   if (too_many) {
     problems.emplace_back(kTooManyEdgesWords);

@@ -15,7 +15,7 @@ struct AnalyserCaptureOptions {
   double quiet_s{2.0};          ///< The job is over when no edge has come for this long; by samples.
   double time_limit_s{
       60.0};  ///< Limit of the whole capture, waiting for the first edge included; by samples.
-  std::vector<Signal> low_at_start;  ///< Signals that must be low at the start, as in GpioCaptureOptions.
+  StartLevels at_start;
 };
 
 /// Records levels, in ticks of one sample, until the pins are quiet. An edge was somewhere in the period

@@ -74,7 +74,7 @@ class SrReader {
     std::string missing;
     for (std::size_t i = 0; i < kSignalCount; ++i) {
       const auto signal = static_cast<Signal>(i);
-      if (!map_.pin(signal)) continue;
+      if (!map_.hasOwnWire(signal)) continue;
       if (const auto bit = channelOf(signal)) {
         signals_.push_back(signal);
         bits_.push_back(*bit);

@@ -25,11 +25,11 @@ class SampleCursor {
     unsigned bit = 0;
     for (std::size_t i = 0; i < kSignalCount; ++i) {
       const auto signal = static_cast<Signal>(i);
-      const auto pin = map.pin(signal);
-      if (pin && !isSensor(signal)) outputs_.push_back({*pin, bit});
+      wired_.at(i) = map.hasOwnWire(signal);
       sensor_bits_.at(i) = bit;
-      if (pin) ++bit;
-      wired_.at(i) = pin.has_value();
+      if (!wired_.at(i)) continue;
+      if (!isSensor(signal)) outputs_.push_back({*map.pin(signal), bit});
+      ++bit;
     }
   }
 
@@ -100,7 +100,7 @@ SrMetadata metadataOf(const PinRecording& recording, const SignalMap& map) {
   metadata.samples_name = "logic-1";
   for (std::size_t i = 0; i < kSignalCount; ++i) {
     const auto signal = static_cast<Signal>(i);
-    if (map.pin(signal))
+    if (map.hasOwnWire(signal))
       metadata.channels.emplace_back(static_cast<unsigned>(metadata.channels.size()), signalName(signal));
   }
   metadata.sample_bytes = std::max<std::size_t>(1, (metadata.channels.size() + 7) / 8);

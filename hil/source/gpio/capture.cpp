@@ -32,7 +32,7 @@ class Capture {
         order_(levels_, begin_ns_) {}
 
   PinCapture run() {
-    problems(highAtStart(options_.wires, levels_, options_.low_at_start));
+    problems(wrongAtStart(options_.wires, levels_, options_.at_start));
     const bool quiet = listen();
     order_.takeAll(edges_);
     if (quiet) problems(levelsAgainstEdges(request_, order_));

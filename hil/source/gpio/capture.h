@@ -19,9 +19,7 @@ struct GpioCaptureOptions {
   double stamp_err_s{};         ///< Declared bias and jitter of a time stamp.
   double quiet_s{2.0};          ///< The job is over when no edge has come for this long.
   double time_limit_s{60.0};    ///< Limit of the whole capture, waiting for the first edge included.
-  /// High at the start these are a problem: pins are low before their first event, so a drive that counts
-  /// rising edges would count one that was none.
-  std::vector<Signal> low_at_start;
+  StartLevels at_start;
 };
 
 /// Records edges, in ticks of 1 ns, until the pins are quiet. Once the lines are had, whatever goes wrong is

@@ -5,16 +5,14 @@
 
 #include <algorithm>
 
-#include "hil/source/pin_capture.h"
-
 namespace kerfbench::source {
 
-std::vector<std::string> highAtStart(const std::vector<GpioWire>& wires, const std::vector<bool>& levels,
-                                     const std::vector<Signal>& low_at_start) {
+std::vector<std::string> wrongAtStart(const std::vector<GpioWire>& wires, const std::vector<bool>& levels,
+                                      const StartLevels& wanted) {
   std::vector<std::string> problems;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (levels[i] && std::ranges::find(low_at_start, wires[i].signal) != low_at_start.end())
-      problems.push_back(highAtStartWords(std::string(signalName(wires[i].signal))));
+    if (const std::string words = wrongAtStartWords(wires[i].signal, levels[i], wanted); !words.empty())
+      problems.push_back(words);
   }
   return problems;
 }

@@ -7,12 +7,13 @@
 #include "hil/source/gpio/edge_order.h"
 #include "hil/source/gpio/line_request.h"
 #include "hil/source/gpio/wires.h"
+#include "hil/source/pin_capture.h"
 
 namespace kerfbench::source {
 
-/// Lines that must not be high before the first edge, and are, in words.
-std::vector<std::string> highAtStart(const std::vector<GpioWire>& wires, const std::vector<bool>& levels,
-                                     const std::vector<Signal>& low_at_start);
+/// Lines that must not have the level that they have before the first edge, in words.
+std::vector<std::string> wrongAtStart(const std::vector<GpioWire>& wires, const std::vector<bool>& levels,
+                                      const StartLevels& wanted);
 
 /// Second check that no edge was lost: each line has the level of its last edge. In words, the lines that
 /// have another, or why nobody knows.

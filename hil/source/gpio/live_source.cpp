@@ -90,7 +90,7 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
 void GpioLiveSource::begin() {
   begun_ = true;
   const std::vector<bool> levels = request_.levels();
-  start_problems_ = highAtStart(options_.in.wires, levels, options_.in.low_at_start);
+  start_problems_ = wrongAtStart(options_.in.wires, levels, options_.in.at_start);
   if (uart_) uart_->discard();
   begin_ns_ = system_->now_ns();
   // Tick 0 has no levels of its own and tick 1 those at the start; the first edge comes later than both.

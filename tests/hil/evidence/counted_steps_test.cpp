@@ -111,6 +111,25 @@ TEST(CountedSteps, ADriveThatGoesForwardsWhileDirIsLowCountsSo) {
   EXPECT_EQ(steps->at(350e-6), (CountedSteps::Steps{1, -1}));
 }
 
+TEST(CountedSteps, ADisabledDriveCountsNothing) {
+  constexpr std::uint16_t kEnable = 16;
+  PinWiring enabled = wiring();
+  enabled.signals.assign(Signal::kGalvoXEnable, {0, 4});
+  enabled.signals.assign(Signal::kGalvoYEnable, {0, 4});
+  enabled.drives[1].profile.enable_low = true;
+  const auto steps = CountedSteps::of(recordingOf({{110, kPulX | kPulY},
+                                                   {120, 0},
+                                                   {210, kEnable},
+                                                   {220, kEnable | kPulX | kPulY},
+                                                   {230, kEnable},
+                                                   {310, kPulX | kPulY}}),
+                                      enabled);
+  ASSERT_TRUE(steps);
+  EXPECT_EQ(steps->at(150e-6), (CountedSteps::Steps{0, -1}));
+  EXPECT_EQ(steps->at(250e-6), (CountedSteps::Steps{-1, -1}));
+  EXPECT_EQ(steps->at(350e-6), (CountedSteps::Steps{-1, -2})) << "disabled and pulsed in one write";
+}
+
 TEST(CountedSteps, AnAxisWithoutItsLinesIsNotCounted) {
   PinWiring one = wiring();
   one.signals = SignalMap{};

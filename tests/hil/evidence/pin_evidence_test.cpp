@@ -105,6 +105,101 @@ TEST(PinEvidence, GatesAreTheIntervalsInWhichTheLineWasHighAndTheLastEndsWithThe
   EXPECT_THAT(pins.gates[1].off_s, DoubleEq(1.0));
 }
 
+/// Each level of the gate turned round, and the write of a firmware that makes the pin an output.
+std::vector<PinEvent> inverted(std::vector<PinEvent> events) {
+  for (PinEvent& event : events) event.level ^= kGateHigh;
+  events.insert(events.begin(), {10, 2, kGateHigh, kGateHigh, 0});
+  return events;
+}
+
+TEST(PinEvidence, AGateThatIsOpenWhileLowSaysTheSameAsItsInverse) {
+  const std::vector<PinEvent> events{{1000, 2, kGateHigh, kGateHigh, 0},
+                                     {1500, 2, 1, kGateHigh | 1U, 0},
+                                     {2500, 2, kGateHigh, 1, 0},
+                                     {4000, 2, kGateHigh, kGateHigh | 1U, 0},
+                                     {5000, 2, kGateHigh, 1, 0}};
+  PinWiring low = wiringOfX();
+  low.gate_low = true;
+  const PinEvidence usual = pinEvidence(recordingOf(events), wiringOfX());
+  const PinEvidence other = pinEvidence(recordingOf(inverted(events)), low);
+  ASSERT_THAT(usual.gates, SizeIs(2));
+  ASSERT_THAT(other.gates, SizeIs(2));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(other.gates[i].on_s, usual.gates[i].on_s);
+    EXPECT_EQ(other.gates[i].off_s, usual.gates[i].off_s);
+  }
+  ASSERT_THAT(other.light, SizeIs(2));
+  EXPECT_EQ(other.light[1].from_s, usual.light[1].from_s);
+}
+
+TEST(PinEvidence, AGateOfTheWrongPolarityIsOpenBetweenTheCutsAndUpToTheEnd) {
+  const std::vector<PinEvent> events{{1000, 2, kGateHigh, kGateHigh, 0},
+                                     {2500, 2, kGateHigh, 0, 0},
+                                     {4000, 2, kGateHigh, kGateHigh, 0},
+                                     {6000, 2, kGateHigh, 0, 0}};
+  PinWiring low = wiringOfX();
+  low.gate_low = true;
+  const PinEvidence pins = pinEvidence(recordingOf(events), low);
+  ASSERT_THAT(pins.gates, SizeIs(2));
+  EXPECT_THAT(pins.gates[0].on_s, DoubleEq(2.5e-3));
+  EXPECT_THAT(pins.gates[0].off_s, DoubleEq(4e-3));
+  EXPECT_THAT(pins.gates[1].off_s, DoubleEq(1.0));
+}
+
+TEST(PinEvidence, APinThatNobodyHasDrivenYetOpensNoGate) {
+  PinWiring low = wiringOfX();
+  low.gate_low = true;
+  // Other pins of the port are written long before the gate's is made an output.
+  const auto pins = pinEvidence(
+      recordingOf({{100, 2, 1, 1, 0}, {200, 2, 1, 0, 0}, {300, 2, kGateHigh, kGateHigh, 0}}), low);
+  EXPECT_THAT(pins.gates, IsEmpty());
+  EXPECT_THAT(pins.light, IsEmpty());
+}
+
+TEST(PinEvidence, AReleasedLowGateIsOpenAsThePinsSayIt) {
+  PinWiring low = wiringOfX();
+  low.gate_low = true;
+  // The firmware has driven the pin, and a reset lets it float: the stream has it low from then on.
+  const auto pins =
+      pinEvidence(recordingOf({{100, 2, kGateHigh, kGateHigh, 0}, {900, 2, kGateHigh, 0, 0}}), low);
+  ASSERT_THAT(pins.gates, SizeIs(1));
+  EXPECT_THAT(pins.gates[0].off_s, DoubleEq(1.0));
+}
+
+TEST(PinEvidence, TheDemandMayBeTheShareOfLow) {
+  constexpr std::uint16_t kPwmHigh = 1U << 4U;
+  PinWiring low = wiringOfX();
+  low.signals.assign(Signal::kLaserPwm, {2, 4});
+  low.pwm_low = true;
+  const auto pins = pinEvidence(recordingOf({{500, 2, kGateHigh, kGateHigh, 0},
+                                             {1000, 2, kPwmHigh, kGateHigh | kPwmHigh, 0},
+                                             {2000, 2, kPwmHigh, kGateHigh, 0},
+                                             {2600, 2, kPwmHigh, kGateHigh | kPwmHigh, 0},
+                                             {3000, 2, kGateHigh, kPwmHigh, 0}}),
+                                low);
+  ASSERT_THAT(pins.gates, SizeIs(1));
+  ASSERT_THAT(pins.light, SizeIs(1)) << "nobody has asked for power before the first pulse";
+  EXPECT_THAT(pins.light[0].from_s, DoubleEq(2e-3));
+  EXPECT_THAT(pins.light[0].to_s, DoubleEq(2.6e-3));
+}
+
+TEST(PinEvidence, OnePinMayEnableTwoDrives) {
+  PinWiring wiring = wiringOfX();
+  wiring.signals.assign(Signal::kGalvoYDir, {0, 3});
+  wiring.signals.assign(Signal::kGalvoXEnable, {1, 0});
+  wiring.signals.assign(Signal::kGalvoYEnable, {1, 0});
+  const auto pins = pinEvidence(
+      recordingOf(
+          {{100, 0, 5, 5, 0}, {110, 0, 5, 0, 0}, {200, 1, 1, 1, 0}, {300, 0, 5, 5, 0}, {310, 0, 5, 0, 0}}),
+      wiring);
+  ASSERT_THAT(pins.pulses, SizeIs(2));
+  for (const PulseTiming& timing : pins.pulses) {
+    EXPECT_EQ(timing.pulses, 2U);
+    EXPECT_EQ(timing.disabled_pulses, 1U);
+    EXPECT_NEAR(timing.min_enable_setup_s, 100e-6, 1e-12);
+  }
+}
+
 TEST(PinEvidence, WithoutALineOfTheGateThereIsNoGate) {
   PinWiring wiring = wiringOfX();
   wiring.signals = {};

@@ -20,7 +20,12 @@ DriverProfile gecko201() { return {"Gecko201", false, 1 * kUs, 20 * kUs, 0.5 * k
 // The two wires, in microseconds.
 class Wires {
  public:
-  explicit Wires(const DriverProfile& profile) : timer_("axis", profile) {}
+  explicit Wires(const DriverProfile& profile, bool has_enable = false)
+      : timer_("axis", profile, has_enable) {}
+  Wires& enable(double at_us, bool level) {
+    timer_.enableLevel(at_us * kUs, level);
+    return *this;
+  }
   Wires& pul(double at_us, bool level) { return set(at_us, level, dir_); }
   Wires& dir(double at_us, bool level) { return set(at_us, pul_, level); }
   Wires& set(double at_us, bool pul_level, bool dir_level) {
@@ -47,6 +52,51 @@ TEST(PulseTimer, CountsPulsesAndFindsNothingWrongWithGoodOnes) {
   EXPECT_EQ(wires.timing().pulses, 4U);
   EXPECT_EQ(wires.violations(), 0U);
   EXPECT_LT(wires.timing().first_violation_s, 0.0);
+}
+
+TEST(PulseTimer, CountsPulsesWhileTheDriveIsDisabled) {
+  Wires wires(dm556(), true);
+  wires.pulse(100, 5).pulse(120, 5).enable(140, true).pulse(160, 5).enable(180, false).pulse(200, 5);
+  EXPECT_EQ(wires.timing().pulses, 4U);
+  EXPECT_EQ(wires.timing().disabled_pulses, 3U);
+  EXPECT_NEAR(wires.timing().first_violation_s, 100 * kUs, 1e-12);
+  EXPECT_TRUE(wires.timing().has_enable);
+  EXPECT_EQ(wires.violations(), 0U) << "times are as they should be";
+}
+
+TEST(PulseTimer, ADriveThatIsEnabledWhileLowIsSoFromTheStart) {
+  DriverProfile profile = dm556();
+  profile.enable_low = true;
+  Wires wires(profile, true);
+  wires.pulse(100, 5).enable(120, true).pulse(140, 5).enable(160, false).pulse(180, 5);
+  EXPECT_EQ(wires.timing().disabled_pulses, 1U);
+  EXPECT_NEAR(wires.timing().first_violation_s, 140 * kUs, 1e-12);
+}
+
+TEST(PulseTimer, WithoutAnEnableLineADriveIsAlwaysEnabled) {
+  Wires wires(dm556());
+  wires.pulse(100, 5);
+  EXPECT_EQ(wires.timing().disabled_pulses, 0U);
+  EXPECT_FALSE(wires.timing().has_enable);
+  EXPECT_TRUE(std::isinf(wires.timing().min_enable_setup_s));
+}
+
+TEST(PulseTimer, TheFirstChangeAfterAnEnableKeepsItsSetUpTime) {
+  DriverProfile profile = dm556();
+  profile.enable_setup_s = 50 * kUs;
+  Wires good(profile, true);
+  good.enable(100, true).dir(150, true).pulse(160, 5).enable(300, false).dir(400, false).enable(410, true);
+  good.pulse(470, 5);
+  EXPECT_EQ(good.timing().enable_setup_violations, 0U);
+  EXPECT_NEAR(good.timing().min_enable_setup_s, 50 * kUs, 1e-12);
+  Wires early_dir(profile, true);
+  early_dir.enable(100, true).dir(149, true).pulse(160, 5);
+  EXPECT_EQ(early_dir.timing().enable_setup_violations, 1U);
+  EXPECT_NEAR(early_dir.timing().first_violation_s, 149 * kUs, 1e-12);
+  Wires early_pul(profile, true);
+  early_pul.enable(100, true).pulse(130, 5).pulse(140, 5);
+  EXPECT_EQ(early_pul.timing().enable_setup_violations, 1U);
+  EXPECT_NEAR(early_pul.timing().min_enable_setup_s, 30 * kUs, 1e-12);
 }
 
 TEST(PulseTimer, ReportsTheShortestTimesSeen) {

@@ -277,6 +277,34 @@ TEST(PulseTimingCheck, AnAxisThatNeverTurnedHasNoSetUpTime) {
   EXPECT_EQ(checkOf(run.inspected(), "pulse_timing").verdict, Verdict::kPass);
 }
 
+TEST(PulseTimingCheck, PulsesWhileADriveIsDisabledFailAndNameAxisAndKey) {
+  SyntheticRun run;
+  run.evidence.pulses[1].has_enable = true;
+  run.evidence.pulses[1].profile.enable_low = true;
+  run.evidence.pulses[1].disabled_pulses = 12;
+  const Check check = checkOf(run.inspected(), "pulse_timing");
+  EXPECT_EQ(check.verdict, Verdict::kFail);
+  EXPECT_THAT(check.explanation, HasSubstr(run.evidence.pulses[1].axis +
+                                           ": 12 pulses while the drive was disabled; it is enabled "
+                                           "while its enable line is low (`" +
+                                           run.evidence.pulses[1].axis + ".enable_low`)"));
+  // A guard band of stamps argues no pulse away.
+  run.evidence.pin_u_s = 1e-6;
+  EXPECT_EQ(checkOf(run.inspected(), "pulse_timing").verdict, Verdict::kFail);
+}
+
+TEST(PulseTimingCheck, APulseTooSoonAfterTheEnableFails) {
+  SyntheticRun run;
+  PulseTiming& timing = run.evidence.pulses[0];
+  timing.has_enable = true;
+  timing.profile.enable_setup_s = 200e-3;
+  timing.min_enable_setup_s = 1e-3;
+  timing.enable_setup_violations = 1;
+  const Check check = checkOf(run.inspected(), "pulse_timing");
+  EXPECT_EQ(check.verdict, Verdict::kFail);
+  EXPECT_THAT(check.explanation, HasSubstr("time from enable to DIR or PUL"));
+}
+
 TEST(PulseTimingCheck, WithoutAnyPulseIsInvalid) {
   SyntheticRun run;
   for (PulseTiming& t : run.evidence.pulses) t.pulses = 0;

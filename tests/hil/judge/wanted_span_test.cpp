@@ -11,6 +11,7 @@ namespace kerfbench::judge {
 namespace {
 
 constexpr PinId kGate{2, 5};
+const evidence::ActiveLine kGateLine(kGate, false);
 constexpr double kMargin_s = 0.05;
 constexpr double kLag_s = 0.0003;
 constexpr TickRate kMicroseconds{1, 1'000'000};
@@ -20,22 +21,31 @@ PinEvent gate(Tick tick, bool open) {
 }
 
 TEST(WantedSpan, IsEmptyBeforeTheGateIsOpenedAndMovesOn) {
-  WantedSpan wanted(kGate, kMicroseconds, kMargin_s, kLag_s);
+  WantedSpan wanted(kGateLine, kMicroseconds, kMargin_s, kLag_s);
   wanted.add({}, 200'000);
   EXPECT_DOUBLE_EQ(wanted.soFar().from_s, 0.15);
   EXPECT_LT(wanted.soFar().to_s, wanted.soFar().from_s);
   EXPECT_FALSE(wanted.inAll());
 }
 
+TEST(WantedSpan, AGateThatIsOpenWhileLowIsWantedThen) {
+  WantedSpan wanted({kGate, true}, kMicroseconds, kMargin_s, kLag_s);
+  const std::vector<PinEvent> events{gate(10, true), gate(300'000, false), gate(400'000, true)};
+  wanted.add(events, 1'000'000);
+  ASSERT_TRUE(wanted.inAll());
+  EXPECT_DOUBLE_EQ(wanted.inAll()->from_s, 0.3 - kMargin_s);
+  EXPECT_DOUBLE_EQ(wanted.inAll()->to_s, 0.4 + kMargin_s);
+}
+
 TEST(WantedSpan, OtherPinsDoNotMatter) {
-  WantedSpan wanted(kGate, kMicroseconds, kMargin_s, kLag_s);
+  WantedSpan wanted(kGateLine, kMicroseconds, kMargin_s, kLag_s);
   const std::vector<PinEvent> events{{10, 1, 1U << 5U, 1U << 5U, 0}, {20, 2, 1, 1, 0}};
   wanted.add(events, 100);
   EXPECT_FALSE(wanted.inAll());
 }
 
 TEST(WantedSpan, AGateThatStaysOpenIsWantedUpToTheEnd) {
-  WantedSpan wanted(kGate, kMicroseconds, kMargin_s, kLag_s);
+  WantedSpan wanted(kGateLine, kMicroseconds, kMargin_s, kLag_s);
   const std::vector<PinEvent> events{gate(100'000, true)};
   wanted.add(events, 150'000);
   EXPECT_DOUBLE_EQ(wanted.soFar().to_s, 0.15 - kLag_s);
@@ -48,7 +58,7 @@ TEST(WantedSpan, AGateThatStaysOpenIsWantedUpToTheEnd) {
 TEST(WantedSpan, WhatIsSaidMeanwhileHoldsInTheEnd) {
   std::mt19937 random(7);
   for (int run = 0; run < 200; ++run) {
-    WantedSpan wanted(kGate, kMicroseconds, kMargin_s, kLag_s);
+    WantedSpan wanted(kGateLine, kMicroseconds, kMargin_s, kLag_s);
     bool open = false;
     double first_s = -1.0, last_s = -1.0;
     double dropped_before_s = -std::numeric_limits<double>::infinity();

@@ -52,6 +52,24 @@ TEST_F(MachineFaultsTest, APinThatIsGateAndPowerIsToldHowItIsWritten) {
   EXPECT_EQ(faultsOf(base::replaced(bad, "laser_pwm: PC3", "laser_pwm: ~")), "");
 }
 
+TEST_F(MachineFaultsTest, OnlyEnablesShareAPin) {
+  const auto with = [&](const std::string& pins) {
+    return faultsOf(base::replaced(text("two-mirror.yaml"), "laser_gate: PC2", "laser_gate: PC2\n" + pins));
+  };
+  EXPECT_EQ(with("  galvo_x_enable: PK0\n  galvo_y_enable: PK0\n  feed_enable: PK0"), "");
+  EXPECT_THAT(with("  galvo_x_enable: PC2"), HasSubstr("PC2 is given to laser_gate and to galvo_x_enable"));
+  EXPECT_THAT(with("  galvo_x_enable: PK0\n  galvo_y_enable: PA0"),
+              HasSubstr("PA0 is given to galvo_x_pul and to galvo_y_enable"));
+}
+
+TEST_F(MachineFaultsTest, LevelsAreTrueOrFalse) {
+  const auto with = [&](const std::string& from, const std::string& key) {
+    return faultsOf(base::replaced(text("two-mirror.yaml"), from, from + "\n" + key));
+  };
+  EXPECT_THAT(with("laser:", "  gate_low: low"), HasSubstr("laser.gate_low: is neither true nor false"));
+  EXPECT_THAT(with("laser:", "  pwm_low: 1.5"), HasSubstr("laser.pwm_low: is neither true nor false"));
+}
+
 TEST_F(MachineFaultsTest, ASignalThatIsGivenTwoPinsIsAFault) {
   const std::string bad =
       base::replaced(text("two-mirror.yaml"), "galvo_y_pul: PA2", "galvo_y_pul: PA2\n  galvo_y_pul: PB2");

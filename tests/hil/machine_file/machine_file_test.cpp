@@ -287,6 +287,29 @@ TEST_F(MachineFileTest, AnAxisMayHaveOtherLevelsThanItsDriver) {
   EXPECT_EQ(machine.galvo_y.profile.senseOf(false), 1);
 }
 
+TEST_F(MachineFileTest, TheLaserMayListenToLowLevels) {
+  const auto usual = readMachine(base::fixture("machines/two-mirror.yaml")).laser;
+  EXPECT_FALSE(usual.gate_low);
+  EXPECT_FALSE(usual.pwm_low);
+  const auto gate = readMachine(extending("two-mirror.yaml", "laser: {gate_low: true}\n")).laser;
+  EXPECT_TRUE(gate.gate_low);
+  EXPECT_FALSE(gate.pwm_low);
+  EXPECT_TRUE(readMachine(extending("two-mirror.yaml", "laser: {pwm_low: true}\n")).laser.pwm_low);
+}
+
+TEST_F(MachineFileTest, OnePinMayEnableSeveralDrives) {
+  const auto machine = readMachine(base::fixture("machines/gantry-grbl.yaml"));
+  EXPECT_EQ(machine.signals.pin(Signal::kGantryXEnable), (PinId{1, 0}));
+  EXPECT_EQ(machine.signals.pin(Signal::kGantryYEnable), (PinId{1, 0}));
+  EXPECT_TRUE(machine.signals.hasOwnWire(Signal::kGantryXEnable));
+  EXPECT_FALSE(machine.signals.hasOwnWire(Signal::kGantryYEnable));
+  EXPECT_FALSE(machine.signals.hasOwnWire(Signal::kGalvoXEnable)) << "it has no pin";
+  EXPECT_TRUE(machine.gantry_x.profile.enabledBy(false));
+  EXPECT_FALSE(machine.gantry_x.profile.enabledBy(true));
+  EXPECT_DOUBLE_EQ(machine.gantry_x.profile.enable_setup_s, 5e-6);
+  EXPECT_TRUE(readMachine(base::fixture("machines/two-mirror.yaml")).galvo_x.profile.enabledBy(true));
+}
+
 TEST_F(MachineFileTest, TheSpotCameraSeesItsCentreInTheMiddleOfThePicture) {
   std::string content = base::withValue(text("strip-gantry.yaml"), "centre_mm", "[370, -20]");
   content = base::withValue(base::withValue(content, "height_mm", "2500"), "pitch_mm", "0.2");

@@ -88,6 +88,22 @@ TEST_F(GpioChoiceTest, LinesThatMakeNoSenseAreFaultsWithFileAndLine) {
               HasSubstr("s.yaml:12: firmware.lines.laser_gate: has line 7, and so has galvo_y_dir"));
 }
 
+TEST_F(GpioChoiceTest, APinThatEnablesSeveralDrivesIsReadOnce) {
+  const Case test_case = plate(kWires);
+  SignalMap enabled = test_case.machine.signals;
+  enabled.assign(Signal::kGalvoXEnable, {1, 7});
+  enabled.assign(Signal::kGalvoYEnable, {1, 7});
+  GpioChoice choice = test_case.scenario.firmware.gpio;
+  EXPECT_THAT(faultsOf(choice, enabled, {}),
+              AllOf(HasSubstr("no line for galvo_x_enable"), Not(HasSubstr("galvo_y_enable"))));
+  choice.lines.push_back({Signal::kGalvoXEnable, "11", "s.yaml:15: firmware.lines.galvo_x_enable"});
+  EXPECT_EQ(faultsOf(choice, enabled, {}), "");
+  choice.lines.push_back({Signal::kGalvoYEnable, "12", "s.yaml:16: firmware.lines.galvo_y_enable"});
+  EXPECT_THAT(
+      faultsOf(choice, enabled, {}),
+      HasSubstr("s.yaml:16: firmware.lines.galvo_y_enable: the machine has this pin for another enable"));
+}
+
 // A controller that follows the belt would see it at rest.
 TEST_F(GpioChoiceTest, ABeltThatMovesNeedsItsSensorsDriven) {
   const std::string moving = std::string(kWires) + "belt: {speed_mm_s: 60}\n";

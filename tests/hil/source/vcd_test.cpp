@@ -47,6 +47,25 @@ TEST_F(VcdTest, SixteenMegahertzIsWrittenIn100ps) {
   EXPECT_EQ(readVcd(file("tiny.vcd"), sampleMap()).outputs, recording.outputs);
 }
 
+TEST_F(VcdTest, APinOfSeveralEnablesIsOneWire) {
+  SignalMap map = sampleMap();
+  map.assign(Signal::kGalvoXEnable, {1, 0});
+  map.assign(Signal::kGalvoYEnable, {1, 0});
+  map.assign(Signal::kFeedEnable, {1, 1});
+  PinRecording recording;
+  recording.outputs = {{1, 1, 3, 3, 0}, {3, 1, 1, 2, 0}};
+  recording.sensors = {{2, Signal::kPrintMark, true}};
+  recording.end = 3;
+  writeVcd(file("enables.vcd"), recording, map);
+  EXPECT_THAT(contentOf(file("enables.vcd")), testing::AllOf(HasSubstr("$var wire 1 5 galvo_x_enable $end\n"),
+                                                             HasSubstr("$var wire 1 9 feed_enable $end\n"),
+                                                             HasSubstr("$var wire 1 / print_mark $end\n"),
+                                                             testing::Not(HasSubstr("galvo_y_enable"))));
+  const PinRecording back = readVcd(file("enables.vcd"), map);
+  EXPECT_EQ(back.outputs, recording.outputs);
+  EXPECT_TRUE(sameSensors(back.sensors, recording.sensors));
+}
+
 TEST_F(VcdTest, AFileThatWasChangedHasAProblem) {
   writeVcd(file("whole.vcd"), sampleRecording(100), sampleMap());
   ASSERT_TRUE(readVcd(file("whole.vcd"), sampleMap()).problems.empty());

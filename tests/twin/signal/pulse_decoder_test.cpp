@@ -20,7 +20,11 @@ DriverProfile gecko201() { return {"Gecko201", false, 1 * kUs, 20 * kUs, 0.5 * k
 // The two wires, in microseconds.
 class Wires {
  public:
-  explicit Wires(const DriverProfile& profile) : decoder_(profile) {}
+  explicit Wires(const DriverProfile& profile, bool has_enable = false) : decoder_(profile, has_enable) {}
+  Wires& enable(double at_us, bool level) {
+    decoder_.enableLevel(at_us * kUs, level, steps_);
+    return *this;
+  }
   Wires& pul(double at_us, bool level) { return set(at_us, level, dir_); }
   Wires& dir(double at_us, bool level) { return set(at_us, pul_, level); }
   Wires& set(double at_us, bool pul_level, bool dir_level) {
@@ -132,6 +136,45 @@ TEST(PulseDecoder, DirAndPulInOneWriteStepTheOldWay) {
   Wires wires(dm556());
   wires.set(100, true, true).set(105, false, true).pulse(120, 5);
   EXPECT_EQ(wires.directions(), (Directions{-1, 1}));
+}
+
+TEST(PulseDecoder, ADisabledDriveTakesNoStep) {
+  Wires wires(dm556(), true);
+  wires.pulse(100, 5).enable(120, true).pulse(140, 5).pulse(160, 5).enable(180, false).pulse(200, 5);
+  EXPECT_EQ(wires.directions(), (Directions{-1, -1}));
+}
+
+TEST(PulseDecoder, ADriveMayBeEnabledWhileTheLineIsLow) {
+  DriverProfile profile = dm556();
+  profile.enable_low = true;
+  Wires wires(profile, true);
+  wires.pulse(100, 5).enable(120, true).pulse(140, 5).pulse(160, 5).enable(180, false).pulse(200, 5);
+  EXPECT_EQ(wires.directions(), (Directions{-1, -1}));
+}
+
+TEST(PulseDecoder, APulseWithinTheSetUpOfTheEnableIsLost) {
+  DriverProfile profile = dm556();
+  profile.enable_setup_s = 50 * kUs;
+  Wires wires(profile, true);
+  wires.enable(100, true).pulse(149, 5).pulse(160, 5);
+  EXPECT_EQ(wires.directions(), (Directions{-1}));
+  EXPECT_NEAR(wires.steps().front().time_s, 162.5 * kUs, 1e-12);
+}
+
+TEST(PulseDecoder, AStepThatIsNotYetCertainWhenItsDriveIsDisabledIsLost) {
+  Wires wires(dm556(), true);
+  wires.enable(10, true).pul(100, true).enable(101, false).pul(110, false).pul(200, true);
+  EXPECT_TRUE(wires.directions().empty());
+  wires.pul(210, false).enable(220, true).pul(300, true).enable(303, false);
+  EXPECT_EQ(wires.directions(), (Directions{-1}));
+}
+
+TEST(PulseDecoder, AnEnableThatStaysAsItIsChangesNothing) {
+  DriverProfile profile = dm556();
+  profile.enable_setup_s = 50 * kUs;
+  Wires wires(profile, true);
+  wires.enable(10, true).pul(100, true).enable(101, true).pul(110, false);
+  EXPECT_EQ(wires.directions(), (Directions{-1}));
 }
 
 TEST(PulseDecoder, TheDriveWithAFallingActiveEdgeStepsWithTheFall) {

@@ -124,7 +124,7 @@ TEST_F(AnalyserCaptureTest, WhatTheDriverSaysIsAProblemAndItsWarningsAreNotes) {
 }
 
 TEST_F(AnalyserCaptureTest, APulThatRestsHighWhereItsDriveCountsRisingEdgesIsAProblem) {
-  options.low_at_start = {Signal::kGalvoXPul};
+  options.at_start.low = {Signal::kGalvoXPul};
   analyser.runs = {{700'000, 0b001}, {5, 0}, {1'000'000, 0b001}};
   expectInvalid("galvo_x_pul is high at the start");
   analyser.runs = {{700'000, 0b010}, {5, 0}, {1'000'000, 0b010}};

@@ -77,7 +77,7 @@ TEST_F(DemoAnalyser, StaysLow) {
 }
 
 TEST_F(DemoAnalyser, StaysHigh) {
-  options.low_at_start = {Signal::kGalvoXPul};
+  options.at_start.low = {Signal::kGalvoXPul};
   EXPECT_THAT(capture("all-high").recording.problems,
               ElementsAre(HasSubstr("galvo_x_pul is high at the start"), HasSubstr("no edge came")));
 }

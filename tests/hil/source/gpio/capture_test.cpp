@@ -129,12 +129,22 @@ TEST_F(CaptureTest, LinesThatAreHighAtTheStartAreSoInTheRecording) {
 
 TEST_F(CaptureTest, APulThatRestsHighWhereItsDriveCountsRisingEdgesIsAProblem) {
   job();
-  options.low_at_start = {Signal::kGalvoXPul};
+  options.at_start.low = {Signal::kGalvoXPul};
   kernel->level_bits = 0b010;
   EXPECT_THAT(capture().recording.problems, testing::Not(testing::Contains(HasSubstr("high at the start"))));
   const auto other = std::make_shared<ScriptedKernel>();
   other->level_bits = 0b001;
   expectInvalid(capturePins(options, map, other), "galvo_x_pul is high at the start");
+}
+
+TEST_F(CaptureTest, AGateThatOpensTheLaserWhileLowMustRestHigh) {
+  job();
+  options.at_start.high = {Signal::kLaserGate};
+  expectInvalid(capture(), "laser_gate is low at the start, and the laser may emit while it is low");
+  const auto other = std::make_shared<ScriptedKernel>();
+  other->level_bits = 0b100;
+  EXPECT_THAT(capturePins(options, map, other).recording.problems,
+              testing::Not(testing::Contains(HasSubstr("laser_gate"))));
 }
 
 TEST_F(CaptureTest, PinsThatStayQuietAreNoEvidence) {

@@ -207,7 +207,7 @@ TEST_F(GpioLiveSourceTest, PinsThatMoveInTheEndAreNoWitness) {
 
 TEST_F(GpioLiveSourceTest, LinesThatAreHighAtTheStartAreSoInTheRecording) {
   kernel->level_bits = 0b11;
-  options.in.low_at_start = {Signal::kGalvoXPul};
+  options.in.at_start.low = {Signal::kGalvoXPul};
   open();
   EXPECT_THAT(runTo(2 * kMs), ElementsAre(PinEvent{1, 0, 0x28, 0x28, 0}));
   EXPECT_THAT(source->finish(2 * kMs).problems, Contains(HasSubstr("galvo_x_pul is high at the start")));
