@@ -191,7 +191,7 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
   Judgement judgement;
   judgement.result = inspect::inspect(evidence, test_case.scenario.limits);
   if (judgement.result.verdict != inspect::Verdict::kPass)
-    judgement.likely_cause = likelyCause(test_case, run.recording, evidence, judgement.result.checks);
+    judgement.likely_cause = likelyCause(test_case, run.recording, evidence, judgement.result);
   judgement.facts = std::move(look.facts());
   judgement.pictures = std::move(look.pictures());
   judgement.facts.insert(judgement.facts.end(), calibrated.facts.begin(), calibrated.facts.end());

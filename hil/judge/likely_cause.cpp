@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -14,6 +16,7 @@
 #include "hil/diagnose/asked_motion.h"
 #include "hil/diagnose/axes_fit.h"
 #include "hil/inspect/evidence/emitted_light.h"
+#include "hil/inspect/verdict/verdict.h"
 #include "hil/judge/beam_aim.h"
 #include "hil/judge/belt_place.h"
 #include "hil/judge/gate_cause.h"
@@ -113,24 +116,71 @@ double doubtfulSteps_mm(const scenario::Case& test_case, const inspect::Evidence
   return 2.0 * longest_mm * static_cast<double>(doubtful);
 }
 
-std::string motionCause(const scenario::Case& test_case, const std::vector<diagnose::AskedCut>& cuts,
-                        const inspect::Check& joints) {
+/// The joint that lies farthest off; null if none was measured.
+const inspect::JointResult* worstJoint(const std::vector<inspect::JointResult>& joints) {
+  using Kind = inspect::JointResult::Kind;
+  const inspect::JointResult* worst = nullptr;
+  for (const inspect::JointResult& joint : joints) {
+    const bool is_judged = joint.kind != Kind::kRounding && joint.kind != Kind::kOvershoot &&
+                           !joint.short_leg && std::isfinite(joint.mm.value);
+    if (is_judged && (worst == nullptr || std::abs(joint.mm.value) > std::abs(worst->mm.value)))
+      worst = &joint;
+  }
+  return worst;
+}
+
+/// How near to a corner the pulses lead while the laser shines: one that they cut off, or that the laser
+/// leaves out, is no matter of the axes. Infinite where the beam has no place.
+double nearestLit_mm(const scenario::Case& test_case, const SharedSteps& steps,
+                     const inspect::Evidence& evidence, const inspect::JointResult& corner) {
+  constexpr double kStep_s = 2e-4;
+  constexpr double kFineStep_s = 2e-5;
+  constexpr double kFineWithin_mm = 2.0;
+  const diagnose::PlaceOfSteps place = placeOfSteps(test_case);
+  const double origin_mm =
+      scenario::webOf(test_case).start_x_mm - corner.unit * test_case.scenario.print.pitch_mm;
+  const auto away_mm = [&](double time_s) {
+    const auto [x, y] = steps.at(time_s);
+    const std::optional<Eigen::Vector2d> p_W_mm = place(Eigen::Vector2d(x, y));
+    if (!p_W_mm) return std::numeric_limits<double>::infinity();
+    const Eigen::Vector2d sheet_mm(origin_mm + beltAt_mm(evidence.belt, time_s), 0.0);
+    return (*p_W_mm - sheet_mm - corner.p_S_mm).norm();
+  };
+  double nearest_mm = std::numeric_limits<double>::infinity();
+  for (const inspect::Span& span : evidence.light) {
+    double here_mm = 0.0;
+    for (double at_s = span.from_s; at_s < span.to_s;
+         at_s += here_mm < kFineWithin_mm ? kFineStep_s : kStep_s) {
+      here_mm = away_mm(at_s);
+      nearest_mm = std::min(nearest_mm, here_mm);
+    }
+    nearest_mm = std::min(nearest_mm, away_mm(span.to_s));
+  }
+  return nearest_mm;
+}
+
+std::string motionCause(const scenario::Case& test_case, const SharedSteps& steps,
+                        const inspect::Evidence& evidence, const std::vector<diagnose::AskedCut>& cuts,
+                        const inspect::JointResult& corner) {
   const scenario::Scenario& scenario = test_case.scenario;
+  const double allowed_mm = kWorth * scenario.limits.path_mm;
   const auto asked = diagnose::askedMotion(cuts, *test_case.dieline, scenario.print);
-  if (!asked || asked->off_mm > kWorth * scenario.limits.path_mm) return {};
+  if (!asked || asked->off_mm > allowed_mm) return {};
+  if (nearestLit_mm(test_case, steps, evidence, corner) > allowed_mm) return {};
   return fmt::format(
       "The axes do not follow at corners: the pulses lead to within {:.3f} mm of the drawing, and a corner "
       "of the cut "
       "lies {:.3f} mm off. The pulses ask for {:.0f} mm/s² along x and {:.0f} mm/s² along y at most: ask for "
       "less (Grbl: "
       "$120, $121).",
-      asked->off_mm, joints.value, asked->acceleration_mm_s2.x(), asked->acceleration_mm_s2.y());
+      asked->off_mm, corner.mm.value, asked->acceleration_mm_s2.x(), asked->acceleration_mm_s2.y());
 }
 
 }  // namespace
 
 std::string likelyCause(const scenario::Case& test_case, const source::PinRecording& recording,
-                        const inspect::Evidence& evidence, const std::vector<inspect::Check>& checks) {
+                        const inspect::Evidence& evidence, const inspect::InspectionResult& result) {
+  const std::vector<inspect::Check>& checks = result.checks;
   const std::shared_ptr<const SharedSteps> steps = stepsOf(test_case, recording);
   if (!steps) return {};
   // What is lit with the gate the wrong way round says nothing of axes.
@@ -142,9 +192,12 @@ std::string likelyCause(const scenario::Case& test_case, const source::PinRecord
   if (!failing(checks, {"joints", "kerf_width", "line_energy", "dwell", "depth", "even_depth"})) return {};
   const std::vector<diagnose::AskedCut> cuts = askedCuts(test_case, *steps, evidence);
   if (const auto power = diagnose::steadyPower(cuts)) return diagnose::sentenceOf(*power);
-  const inspect::Check* const joints = failing(checks, {"joints"});
-  if (joints == nullptr || doubtfulSteps_mm(test_case, evidence) > joints->value) return {};
-  return motionCause(test_case, cuts, *joints);
+  const inspect::JointResult* const worst = worstJoint(result.joints);
+  if (failing(checks, {"joints"}) == nullptr || worst == nullptr ||
+      worst->kind != inspect::JointResult::Kind::kCorner ||
+      doubtfulSteps_mm(test_case, evidence) > worst->mm.value)
+    return {};
+  return motionCause(test_case, *steps, evidence, cuts, *worst);
 }
 
 }  // namespace kerfbench::judge

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "hil/inspect/evidence/evidence.h"
-#include "hil/inspect/verdict/verdict.h"
+#include "hil/inspect/evidence/results.h"
 #include "hil/scenario/case.h"
 #include "hil/source/vcd.h"
 
@@ -16,9 +15,10 @@ namespace kerfbench::judge {
 /// - the head's axes are swapped, run backwards or have another scale: told where the spot was never seen as
 /// well;
 /// - corners are burnt, or get too much energy, and the laser keeps its power where the beam is slow;
-/// - corners are missed though the pulses lead to them: the axes do not follow what they are asked for.
+/// - a corner is missed though the pulses lead to it while the laser shines: the axes do not follow what they
+/// are asked for.
 /// `evidence`: the pins' light, belt, gates and pulses.
 std::string likelyCause(const scenario::Case& test_case, const source::PinRecording& recording,
-                        const inspect::Evidence& evidence, const std::vector<inspect::Check>& checks);
+                        const inspect::Evidence& evidence, const inspect::InspectionResult& result);
 
 }  // namespace kerfbench::judge

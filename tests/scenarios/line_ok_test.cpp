@@ -217,6 +217,19 @@ TEST_F(Grbl, ThatAcceleratesBeyondItsDrivesFails) {
               testing::StartsWith("The axes do not follow at corners"));
 }
 
+TEST_F(Grbl, ThatIsDarkAroundACornerIsNotBlamedOnTheAxes) {
+  std::ifstream plate(fixture("scenarios/line-ok/grbl-plate.gcode"));
+  std::string program{std::istreambuf_iterator<char>(plate), {}};
+  const std::string corner = "G1 X45 Y-10\nG1 X45 Y30\n";
+  const std::size_t at = program.find(corner);
+  ASSERT_NE(at, std::string::npos);
+  program.replace(at, corner.size(), "G1 X44.5 Y-10\nG1 X45 Y-10 S0\nG1 X45 Y-9.5\nG1 X45 Y30 S1000\n");
+  std::ofstream(scratch_.path() / "dark.gcode") << program;
+  EXPECT_EQ(plateWith(kSetup, ", gcode: dark.gcode").exit_code, 1);
+  EXPECT_THAT(checksThat(verdict(), "FAIL"), testing::Contains("joints"));
+  EXPECT_EQ(verdict().at("likely_cause"), "");
+}
+
 TEST_F(LineOkFirmware, ALineThatItRefusesMakesTheRunInvalidAndIsNamed) {
   const auto result = runGcode("G90\n; so far so good\nM3 S160\nG1 X2 Y0 F9000\nG2 X4 Y0 I1\nG1 X6\nM5\n");
   EXPECT_EQ(result.exit_code, 3) << result.output;
