@@ -148,11 +148,11 @@ double nearestLit_mm(const scenario::Case& test_case, const SharedSteps& steps,
   };
   double nearest_mm = std::numeric_limits<double>::infinity();
   for (const inspect::Span& span : evidence.light) {
-    double here_mm = 0.0;
-    for (double at_s = span.from_s; at_s < span.to_s;
-         at_s += here_mm < kFineWithin_mm ? kFineStep_s : kStep_s) {
-      here_mm = away_mm(at_s);
+    double at_s = span.from_s;
+    while (at_s < span.to_s) {
+      const double here_mm = away_mm(at_s);
       nearest_mm = std::min(nearest_mm, here_mm);
+      at_s += here_mm < kFineWithin_mm ? kFineStep_s : kStep_s;
     }
     nearest_mm = std::min(nearest_mm, away_mm(span.to_s));
   }
