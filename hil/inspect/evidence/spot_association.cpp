@@ -26,6 +26,7 @@ constexpr double kNoEntityCost = 9.5;
 constexpr double kChangeCost = 1.0;
 constexpr double kMinChord_mm = 0.05;  // Shorter steps tell no direction.
 constexpr double kOtherWay_rad = 0.17;
+constexpr double kTurn_rad = 0.35;  // Less is no corner.
 
 /// All poses of one unit over time.
 class PoseTrack {
@@ -242,6 +243,17 @@ bool isOpenBetween(const std::vector<GateInterval>& by_time, double from_s, doub
   return after != by_time.begin() && to_s <= (after - 1)->off_s;
 }
 
+/// Whether the way from the last frame of a run to a place goes on in the direction in which the spot came,
+/// over its last frames. Not where it hardly moved.
+bool goesStraightOn(std::span<const LitFrame> run, const Eigen::Vector2d& to_mm) {
+  constexpr std::size_t kBack = 4;
+  const LitFrame& last = run.back();
+  const Eigen::Vector2d came = last.p_S_mm - run[run.size() - std::min(run.size(), kBack)].p_S_mm;
+  const Eigen::Vector2d goes = to_mm - last.p_S_mm;
+  if (came.norm() < kMinChord_mm || goes.norm() < kMinChord_mm) return false;
+  return came.dot(goes) > std::cos(kTurn_rad) * came.norm() * goes.norm();
+}
+
 }  // namespace
 
 LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& dieline,
@@ -272,7 +284,8 @@ LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& 
     const auto continues = [&](const LitFrame& last) {
       if (last.unit != placed->frame.unit) return false;
       if (track.frames[last.frame].sequence + 1 == frame.sequence) return true;
-      return frame.mid_s - last.time_s <= dark_s && isOpenBetween(gates, last.time_s, frame.mid_s);
+      return frame.mid_s - last.time_s <= dark_s && isOpenBetween(gates, last.time_s, frame.mid_s) &&
+             goesStraightOn(std::span(result.frames).subspan(result.runs.back().begin), placed->frame.p_S_mm);
     };
     if (result.frames.empty() || !continues(result.frames.back()))
       result.runs.push_back({result.frames.size(), result.frames.size()});

@@ -29,7 +29,8 @@ struct LitFrame {
 };
 
 /// A run of frames with the spot alight on one unit: each the next of the camera, or the next that is not
-/// dark while the gate stays open, no more than kDark_s or kDarkFrames later.
+/// dark while the gate stays open and the spot goes straight on, no more than kDark_s or kDarkFrames later. A
+/// corner that is dark parts two lines.
 struct LitRun {
   std::size_t begin{};  ///< Indices into LitFrames::frames.
   std::size_t end{};

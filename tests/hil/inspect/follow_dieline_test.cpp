@@ -228,7 +228,7 @@ TEST(FollowDieline, DarkFramesDoNotEndACutWhileTheGateIsOpen) {
   std::size_t darkened = 0;
   for (std::size_t i = 17; i + 1 < frames.size(); i += 17) {
     const bool in_a_cut = std::ranges::any_of(run.evidence.gates, [&](const GateInterval& gate) {
-      return gate.on_s <= frames[i - 1].mid_s && frames[i + 1].mid_s <= gate.off_s;
+      return gate.on_s <= frames[i - 4].mid_s && frames[i + 1].mid_s <= gate.off_s;
     });
     if (!in_a_cut || !frames[i - 1].spot_W_mm || !frames[i].spot_W_mm || !frames[i + 1].spot_W_mm) continue;
     frames[i].spot_W_mm.reset();
