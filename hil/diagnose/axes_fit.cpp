@@ -102,15 +102,7 @@ class Fitter {
   }
 
   /// Distance that whole steps leave: half of the longer one.
-  [[nodiscard]] double halfStep_mm() const {
-    double longest_mm = 0.0;
-    const std::optional<Eigen::Vector2d> from = place_(Eigen::Vector2d::Zero());
-    for (const int axis : {0, 1}) {
-      const std::optional<Eigen::Vector2d> to = place_(Eigen::Vector2d::Unit(axis));
-      if (from && to) longest_mm = std::max(longest_mm, (*to - *from).norm());
-    }
-    return 0.5 * longest_mm;
-  }
+  [[nodiscard]] double halfStep_mm() const { return 0.5 * longestStep_mm(place_); }
 
   /// One step across the drawing: steps are whole, and along a straight line all are rounded alike.
   [[nodiscard]] Eigen::Vector2d rounding(const Way& way) const {
@@ -252,6 +244,16 @@ void scaleAll(std::vector<Found>& ways, const Fitter& fitter) {
 std::string axisLetter(int axis) { return axis == 0 ? "X" : "Y"; }
 
 }  // namespace
+
+double longestStep_mm(const PlaceOfSteps& place) {
+  double longest_mm = 0.0;
+  const std::optional<Eigen::Vector2d> from = place(Eigen::Vector2d::Zero());
+  for (const int axis : {0, 1}) {
+    const std::optional<Eigen::Vector2d> to = place(Eigen::Vector2d::Unit(axis));
+    if (from && to) longest_mm = std::max(longest_mm, (*to - *from).norm());
+  }
+  return longest_mm;
+}
 
 std::optional<AxesFit> fitAxes(const std::vector<LitInstant>& path, const PlaceOfSteps& place,
                                const dieline::Dieline& dieline, const PrintLayout& print,

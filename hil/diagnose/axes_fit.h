@@ -23,6 +23,10 @@ struct LitInstant {
 /// Place of the beam in W, mm, for steps of the head's axes; nullopt where it has none.
 using PlaceOfSteps = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d& steps)>;
 
+/// Way of the beam for one step of an axis from where it wakes, mm: the longer of both; 0 where it has no
+/// place.
+double longestStep_mm(const PlaceOfSteps& place);
+
 /// What a firmware does to both axes of its head, found by comparing where its pulses lead with the drawing.
 struct AxesFit {
   bool swapped{};  ///< Pulses that belong to x go to y, and the reverse.

@@ -103,17 +103,10 @@ const inspect::Check* failing(const std::vector<inspect::Check>& checks,
 /// How far off the axes may be because drives have made steps the wrong way, where DIR did not keep their
 /// times.
 double doubtfulSteps_mm(const scenario::Case& test_case, const inspect::Evidence& evidence) {
-  const diagnose::PlaceOfSteps place = placeOfSteps(test_case);
-  const auto from = place(Eigen::Vector2d::Zero());
-  double longest_mm = 0.0;
-  for (const int axis : {0, 1}) {
-    const auto to = place(Eigen::Vector2d::Unit(axis));
-    if (from && to) longest_mm = std::max(longest_mm, (*to - *from).norm());
-  }
   std::uint64_t doubtful = 0;
   for (const PulseTiming& timing : evidence.pulses)
     doubtful += timing.setup_violations + timing.hold_violations;
-  return 2.0 * longest_mm * static_cast<double>(doubtful);
+  return 2.0 * diagnose::longestStep_mm(placeOfSteps(test_case)) * static_cast<double>(doubtful);
 }
 
 /// The joint that lies farthest off; null if none was measured.
