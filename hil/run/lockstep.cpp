@@ -127,7 +127,7 @@ class Lockstep {
 
   RecordedRun run(const ProgressFn& progress) {
     // A controller that runs ahead need not wait for the machine, nor the machine for it.
-    base::OneProcessor together(is_foreseen_ ? 0 : info_.process);
+    base::OneProcessor together(info_.process);
     for (int round = 0; now_ < end_; ++round) {
       together.turn();
       if (!advance()) break;

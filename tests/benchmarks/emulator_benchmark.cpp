@@ -66,7 +66,7 @@ void run(benchmark::State& state, const Subject& subject) {
   constexpr double kSpan_s = kQuanta * kQuantum_s;
   const std::unique_ptr<source::SignalSource> source = source::openChild(options);
   const Tick quantum = source->info().rate.ticksAt(kQuantum_s);
-  base::OneProcessor together(subject.is_foreseen ? 0 : source->info().process);  // As in a run.
+  base::OneProcessor together(source->info().process);  // As in a run.
   if (subject.is_foreseen) source->foresee(quantum, std::numeric_limits<Tick>::max());
   const SpentTime spent(source->info().process);
   source::Batch batch;
