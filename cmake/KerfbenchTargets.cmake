@@ -76,7 +76,7 @@ endfunction()
 
 # kerfbench_library(sigrok_child SOURCES a.cpp PUBLIC kerfbench::hil_source PRIVATE opencv_core)
 function(kerfbench_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   add_library(kerfbench::${name} ALIAS ${name})
   target_link_libraries(${name} PUBLIC kerfbench_options Eigen3::Eigen ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} fmt::fmt)
@@ -84,12 +84,16 @@ function(kerfbench_library name)
 endfunction()
 
 # A room of the house: the library of a folder. Its links are the rooms that it includes, no more and no fewer:
-# tests/structure compares this list with the sources.
+# tests/structure compares this list with the sources. COMPUTES: a room of sums over very many numbers, in which the sanitizers' tests
+# spend most of their time; it is optimised for them, too.
 function(kerfbench_room name)
   kerfbench_library(${name} ${ARGN})
   # Most of a source's time goes into what it includes: several are compiled as one.
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${KERFBENCH_UNITY} UNITY_BUILD_BATCH_SIZE 12)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  if(KERFBENCH_SANITIZE AND ARG_COMPUTES)
+    target_compile_options(${name} PRIVATE -O2)
+  endif()
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   set_property(GLOBAL APPEND PROPERTY KERFBENCH_ROOMS ${name})
   set_property(GLOBAL PROPERTY KERFBENCH_ROOM_${name} ${folder})
@@ -132,12 +136,35 @@ endfunction()
 # What ctest -L unit runs.
 add_custom_target(unit_tests)
 
+# A test program of the objects that the build KERFBENCH_TEST_OBJECTS has of the test's own sources, and of this build's rooms. The rooms
+# under test come first and whole: where both have a copy of a function of a header, the linker takes the first.
+function(kerfbench_link_test_objects name)
+  set(list ${KERFBENCH_TEST_OBJECTS}/test_objects/${name}.txt)
+  if(NOT EXISTS ${list})
+    message(FATAL_ERROR "There is no ${list}: KERFBENCH_TEST_OBJECTS is the folder of a build whose tests were built before.")
+  endif()
+  file(READ ${list} objects)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${list})
+  set_source_files_properties(${objects} PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
+  add_executable(${name}_test ${objects})
+  set_target_properties(${name}_test PROPERTIES LINKER_LANGUAGE CXX)
+  list(TRANSFORM ARGN REPLACE "^kerfbench::" "" OUTPUT_VARIABLE rooms)
+  get_property(all_rooms GLOBAL PROPERTY KERFBENCH_ROOMS)
+  foreach(room IN LISTS rooms)
+    if(room IN_LIST all_rooms)
+      target_link_options(${name}_test PRIVATE "LINKER:--whole-archive,$<TARGET_FILE:${room}>,--no-whole-archive")
+    endif()
+  endforeach()
+endfunction()
+
 # kerfbench_test(twin_optics SOURCES a_test.cpp LIBS kerfbench::twin_optics LABELS unit)
 # ALONE: those of SOURCES that are not compiled as one with others, because they give a name of their own another meaning.
 # LONG: tests of very many cases and whole live runs, as a gtest filter. They are a test of their own, NAME_long, that only `./bench test --all`
 # runs. The sanitizers' build has none of them: what it looks for is in the first case as in the thousandth; nor the tests of NOT_SANITIZED.
+# OWN_OBJECTS: the sources name programs of their own build, or replace a function of the room: no other build links their objects
+# (KERFBENCH_TEST_OBJECTS).
 function(kerfbench_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT;LONG;NOT_SANITIZED" "SOURCES;ALONE;LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "OWN_OBJECTS" "TIMEOUT;LONG;NOT_SANITIZED" "SOURCES;ALONE;LIBS;LABELS" ${ARGN})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
@@ -147,15 +174,21 @@ function(kerfbench_test name)
   if(KERFBENCH_SANITIZE)
     math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * 4")  # A net against hangs, not a measure of speed.
   endif()
-  add_executable(${name}_test ${ARG_SOURCES})
+  if(KERFBENCH_TEST_OBJECTS AND NOT ARG_OWN_OBJECTS)
+    kerfbench_link_test_objects(${name} ${ARG_LIBS})
+  else()
+    add_executable(${name}_test ${ARG_SOURCES})
+    target_compile_options(${name}_test PRIVATE ${kerfbench_test_options})
+    target_precompile_headers(${name}_test REUSE_FROM kerfbench_test_headers)
+    set_target_properties(${name}_test PROPERTIES UNITY_BUILD ${KERFBENCH_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+    set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    list(FILTER ARG_SOURCES INCLUDE REGEX "\\.c$")
+    set_source_files_properties(${ARG_SOURCES} PROPERTIES SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
+    target_compile_definitions(${name}_test PRIVATE
+      KERFBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KERFBENCH_BINARY_DIR="${PROJECT_BINARY_DIR}")
+    file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/test_objects/${name}.txt CONTENT "$<TARGET_OBJECTS:${name}_test>")
+  endif()
   target_link_libraries(${name}_test PRIVATE kerfbench_options ${ARG_LIBS} fmt::fmt GTest::gtest GTest::gmock GTest::gtest_main)
-  target_compile_options(${name}_test PRIVATE ${kerfbench_test_options})
-  target_precompile_headers(${name}_test REUSE_FROM kerfbench_test_headers)
-  set_target_properties(${name}_test PROPERTIES UNITY_BUILD ${KERFBENCH_UNITY} UNITY_BUILD_BATCH_SIZE 6)
-  set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  list(FILTER ARG_SOURCES INCLUDE REGEX "\\.c$")
-  set_source_files_properties(${ARG_SOURCES} PROPERTIES SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
-  target_compile_definitions(${name}_test PRIVATE KERFBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KERFBENCH_BINARY_DIR="${PROJECT_BINARY_DIR}")
   add_test(NAME ${name} COMMAND ${name}_test)
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
   set(left_out ${ARG_LONG})
