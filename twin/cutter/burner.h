@@ -37,6 +37,9 @@ class Burner {
   /// Burns a part of a step on its own.
   void burn(const Footprint& from, const Footprint& to, double energy_j) { sheet_.burn(from, to, energy_j); }
 
+  /// As Sheet::part(); what is in an open chord stays with the machine.
+  Sheet part(double x_S_mm) { return sheet_.part(x_S_mm); }
+
   /// The sheet without what is in an open chord.
   [[nodiscard]] const Sheet& sheet() const { return sheet_; }
 

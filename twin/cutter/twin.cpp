@@ -185,6 +185,11 @@ const Sheet& Twin::sheet() {
   return burner_.sheet();
 }
 
+double Twin::webX_mm() const {
+  const MachinePose pose = model_.pose();
+  return web_.start_x_mm + pose.belt_travel_mm + pose.sheet_slip_mm.x();
+}
+
 void Twin::openChord() {
   if (view().spot) burner_.open(footprint(view().spot.value(), view().p_WS_mm));
 }

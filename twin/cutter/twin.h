@@ -35,8 +35,9 @@ struct TwinOptions {
 /// Deterministic: the state depends on description, options, pin events and their ticks alone, neither on the
 /// length of the quanta nor on predictSensors().
 ///
-/// Memory over long runs: the burnt sheet (Sheet::bytes()), one entry for each lost step, and exposures until
-/// they are taken (1.3 KiB for each of 200 us: 4.8 GB an hour at 1000 frames/s). Nothing else grows.
+/// Memory over long runs: the burnt sheet (Sheet::bytes()) until it is parted off, one entry for each lost
+/// step, and exposures until they are taken (1.3 KiB for each of 200 us: 4.8 GB an hour at 1000 frames/s).
+/// Nothing else grows.
 class Twin {
  public:
   /// @throws std::invalid_argument with everything that faultsOf(machine, web) finds.
@@ -55,6 +56,13 @@ class Twin {
   /// Sheet as burnt so far, valid until the next advance(). A call while the beam is lit ends a chord early
   /// (see Burner): the sheet is the same to 1e-3 of its peak, but not to the last bit.
   [[nodiscard]] const Sheet& sheet();
+  /// Parts off the web that lies at x >= `x_S_mm` in S of unit 0, see Sheet::part(): web that the beam cannot
+  /// reach any more. Leaves what the machine goes on to burn as it is.
+  Sheet partWeb(double x_S_mm) { return burner_.part(x_S_mm); }
+  /// Whether the beam has reached web that had been parted off.
+  [[nodiscard]] bool beamOnPartedWeb() const { return burner_.sheet().beamOnPartedWeb(); }
+  /// x_W of the origin of S of unit 0 at the end of the last whole step.
+  [[nodiscard]] double webX_mm() const;
   /// Exposures of the spot camera that have ended; each is handed out once.
   std::vector<Exposure> takeExposures() { return exposures_.take(); }
   /// Lost steps of steppers that the load has pulled over, by time.

@@ -63,6 +63,11 @@ bool inRange(const Footprint& footprint) {
          std::abs(footprint.correlation) < 1.0;
 }
 
+/// Largest x that a footprint burns.
+double reach_x_mm(const Footprint& footprint) {
+  return footprint.p_SQ_mm.x() + 0.5 * SampledBell::kReach * footprint.radius_x_mm;
+}
+
 bool scorches(const BoardDescription& board) {
   return board.scorch.fluence_j_mm2 > 0.0 && board.scorch.darkening > 0.0;
 }
@@ -87,6 +92,10 @@ void Sheet::burn(const Footprint& from, const Footprint& to, double energy_j) {
   if (energy_j == 0.0) return;
   if (!(energy_j > 0.0 && std::isfinite(energy_j)) || !inRange(from) || !inRange(to)) {
     throw std::invalid_argument("Sheet::burn: energy, place or radius out of range");
+  }
+  if (reach_x_mm(from) > parted_x_mm_ || reach_x_mm(to) > parted_x_mm_) {
+    beam_on_parted_ = true;
+    return;
   }
   const Eigen::Vector2d move_mm = to.p_SQ_mm - from.p_SQ_mm;
   const int parts = partsOf(from, to);
@@ -309,15 +318,45 @@ Sheet::Tile& Sheet::tileFor(int tile_x, int tile_y) {
   const std::uint64_t key = keyOf(tile_x, tile_y);
   Recent& recent = recent_[static_cast<std::size_t>((tile_x & 3) | (tile_y & 3) << 2)];
   if (!recent.used || recent.key != key) {
-    const auto [entry, fresh] = tile_index_.try_emplace(key, tiles_.size());
+    const auto [entry, fresh] = tile_index_.try_emplace(key, 0);
     if (fresh) {
-      tiles_.emplace_back();
-      tiles_.back().x = tile_x;
-      tiles_.back().y = tile_y;
+      entry->second = freshTile();
+      tiles_[entry->second].x = tile_x;
+      tiles_[entry->second].y = tile_y;
     }
     recent = {key, entry->second, true};
   }
   return tiles_[recent.tile];
+}
+
+std::size_t Sheet::freshTile() {
+  if (vacant_.empty()) {
+    tiles_.emplace_back();
+    return tiles_.size() - 1;
+  }
+  const std::size_t tile = vacant_.back();
+  vacant_.pop_back();
+  return tile;
+}
+
+Sheet Sheet::part(double x_S_mm) {
+  constexpr double kTile_mm = kTileNodes * kCellMm;
+  Sheet piece(board_);
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    Tile& tile = tiles_[i];
+    const auto known = tile_index_.find(keyOf(tile.x, tile.y));
+    const bool is_vacant = known == tile_index_.end() || known->second != i;
+    if (is_vacant || (tile.x + 1) * kTile_mm < x_S_mm - kBothKeep_mm) continue;
+    piece.tile_index_.emplace(known->first, piece.tiles_.size());
+    piece.tiles_.push_back(tile);
+    if (tile.x * kTile_mm <= x_S_mm + kBothKeep_mm) continue;
+    tile_index_.erase(known);
+    tile = {};
+    vacant_.push_back(i);
+  }
+  recent_ = {};
+  parted_x_mm_ = std::min(parted_x_mm_, x_S_mm);
+  return piece;
 }
 
 const Sheet::Tile* Sheet::findTile(int tile_x, int tile_y) const {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -34,7 +35,8 @@ struct Footprint {
 /// that is 2 sqrt(2/pi) P_ua of S3.
 ///
 /// Reading is const and safe from any number of threads while nobody burns. Memory: 4 KiB per burnt square of
-/// 0.64 mm, about 10 MB per metre of cut.
+/// 0.64 mm, about 10 MB per metre of cut. A web of any length fits if what has left the machine is parted
+/// off.
 class Sheet {
  public:
   static constexpr double kCellMm = 0.02;
@@ -71,6 +73,15 @@ class Sheet {
   [[nodiscard]] double untouchedFluence_j_mm2() const { return untouched_burn_j_mm2_; }
   [[nodiscard]] double unscorchedFluence_j_mm2() const { return untouched_scorch_j_mm2_; }
 
+  /// How far on either side of a parting both pieces keep what was burnt: as far as the air carries scorch,
+  /// and two cells.
+  static constexpr double kBothKeep_mm = 1.04;
+  /// Parts the web across Sx: returns what lies at x >= `x_S_mm` and keeps the rest. Nobody can burn what was
+  /// returned, see beamOnPartedWeb().
+  Sheet part(double x_S_mm);
+  /// True if the beam has reached web that had been parted off before; what it did there is on neither piece.
+  [[nodiscard]] bool beamOnPartedWeb() const { return beam_on_parted_; }
+
   /// Copies the spline's coefficients [column, column + columns) x [row, row + rows), row-major, into `out`
   /// (columns * rows values, J/mm²) and returns the largest: no fluence between them is higher.
   float copyNodes(int column, int row, int columns, int rows, std::span<float> out) const;
@@ -100,6 +111,7 @@ class Sheet {
   static std::uint64_t keyOf(int tile_x, int tile_y);
   Tile& tileFor(int tile_x, int tile_y);
   [[nodiscard]] const Tile* findTile(int tile_x, int tile_y) const;
+  std::size_t freshTile();
   void lay(const GaussianFootprint& bell, double energy_j);
   void add(const GaussianFootprint& bell, double energy_j);
   /// Adds the first kRows of `rows` to the spans, `line` nodes below their first row.
@@ -114,7 +126,10 @@ class Sheet {
   double untouched_burn_j_mm2_;
   double untouched_scorch_j_mm2_;
   std::deque<Tile> tiles_;  ///< Tiles in order of first touch: sums over them never depend on the hash.
+  std::vector<std::size_t> vacant_;  ///< Tiles that were parted off: all zero, and used again first.
   std::unordered_map<std::uint64_t, std::size_t> tile_index_;
+  double parted_x_mm_{std::numeric_limits<double>::infinity()};  ///< Web from here on was parted off.
+  bool beam_on_parted_{false};
   std::array<Recent, 16> recent_{};  ///< Recently burnt tiles: a cut stays within a few for long.
   SampledBell sampled_;              ///< Scratch of add().
   std::vector<Span> spans_;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -177,6 +178,66 @@ TEST(Sheet, ALongStripFitsInMemory) {
   sheet.burn(spotAt({-800.0, 0.0}), spotAt({0.0, 0.0}), 80.0);
   EXPECT_NEAR(sheet.energyJ(), 80.0, 0.08);
   EXPECT_LT(sheet.bytes(), 12'000'000U);
+}
+
+/// Nodes of a box in S, mm.
+std::vector<float> nodesIn(const Sheet& sheet, const Vector2d& min_mm, const Vector2d& max_mm) {
+  const auto node = [](double mm) { return static_cast<int>(std::lround(mm / Sheet::kCellMm)); };
+  const int columns = node(max_mm.x()) - node(min_mm.x());
+  const int rows = node(max_mm.y()) - node(min_mm.y());
+  std::vector<float> nodes(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  sheet.copyNodes(node(min_mm.x()), node(min_mm.y()), columns, rows, nodes);
+  return nodes;
+}
+
+TEST(SheetParted, BothPiecesShowWhatTheWholeShows) {
+  Sheet whole{BoardDescription{}};
+  cutLine(whole, {-7.0, -1.0}, {8.0, 2.0});
+  Sheet rest = whole;
+  const Sheet piece = rest.part(0.37);
+  EXPECT_EQ(nodesIn(piece, {0.37 - Sheet::kBothKeep_mm, -2.0}, {9.0, 3.0}),
+            nodesIn(whole, {0.37 - Sheet::kBothKeep_mm, -2.0}, {9.0, 3.0}));
+  EXPECT_EQ(nodesIn(rest, {-8.0, -2.0}, {0.37 + Sheet::kBothKeep_mm, 3.0}),
+            nodesIn(whole, {-8.0, -2.0}, {0.37 + Sheet::kBothKeep_mm, 3.0}));
+  EXPECT_TRUE(rest.untouched({2.0, -2.0}, {9.0, 3.0}));
+  EXPECT_TRUE(piece.untouched({-8.0, -2.0}, {-2.0, 3.0}));
+}
+
+TEST(SheetParted, GoesOnToBeBurntAsIfWhole) {
+  Sheet whole{BoardDescription{}};
+  cutLine(whole, {0.0, 0.0}, {8.0, 0.0});
+  Sheet rest = whole;
+  (void)rest.part(2.0);
+  for (Sheet* sheet : {&whole, &rest}) cutLine(*sheet, {-8.0, 1.0}, {1.5, 0.0});
+  EXPECT_EQ(nodesIn(rest, {-9.0, -2.0}, {2.0, 3.0}), nodesIn(whole, {-9.0, -2.0}, {2.0, 3.0}));
+  EXPECT_FALSE(rest.beamOnPartedWeb());
+}
+
+TEST(SheetParted, ABeamOnWebThatHasGoneIsTold) {
+  Sheet sheet{BoardDescription{}};
+  const Sheet piece = sheet.part(10.0);
+  sheet.burn(spotAt({9.5, 0.0}), spotAt({9.6, 0.0}), 1e-3);
+  EXPECT_FALSE(sheet.beamOnPartedWeb());
+  const double kept_j = sheet.energyJ();
+  sheet.burn(spotAt({9.5, 0.0}), spotAt({10.0, 0.0}), 1e-3);
+  EXPECT_TRUE(sheet.beamOnPartedWeb());
+  EXPECT_EQ(sheet.energyJ(), kept_j);
+  EXPECT_EQ(piece.energyJ(), 0.0);
+}
+
+TEST(SheetParted, AWebOfAnyLengthTakesTheMemoryOfOnePiece) {
+  std::vector<std::size_t> bytes;
+  for (const int units : {10, 40}) {
+    Sheet web{BoardDescription{}};
+    for (int unit = 0; unit < units; ++unit) {
+      const double x_mm = -30.0 * unit;
+      cutLine(web, {x_mm - 20.0, 0.0}, {x_mm, 0.0});
+      (void)web.part(x_mm - 25.0);
+    }
+    bytes.push_back(web.bytes());
+  }
+  EXPECT_LE(bytes[1], bytes[0] + 4 * 4160);
+  EXPECT_LT(bytes[1], 600'000U);
 }
 
 TEST(Sheet, RefusesWhatCannotBeBurnt) {
