@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -29,8 +30,8 @@ KERFBENCH_WIDE void addWeighted(const double* weight, std::size_t count, const L
 
 }  // namespace
 
-const LineSmoother::Kernel& LineSmoother::kernelFor(std::size_t left, std::size_t right) {
-  const auto [at, is_new] = kernels_.try_emplace({left, right});
+const LineSmoother::Kernel& LineSmoother::Kernels::kernelFor(double q, std::size_t left, std::size_t right) {
+  const auto [at, is_new] = kernels_.try_emplace({q, left, right});
   Kernel& kernel = at->second;
   if (!is_new) return kernel;
   const auto n = static_cast<Eigen::Index>(left + right + 1);
@@ -41,7 +42,7 @@ const LineSmoother::Kernel& LineSmoother::kernelFor(std::size_t left, std::size_
   for (Eigen::Index j = 0; j < n; ++j) {
     const double x = (static_cast<double>(j) - static_cast<double>(left)) / static_cast<double>(n);
     A.row(j) << 1.0, x, x * x;
-    for (Eigen::Index k = 0; k < n; ++k) R(j, k) = std::pow(line_.q, std::abs(static_cast<double>(j - k)));
+    for (Eigen::Index k = 0; k < n; ++k) R(j, k) = std::pow(q, std::abs(static_cast<double>(j - k)));
   }
   const Eigen::Matrix3Xd solve = (A.transpose() * A).ldlt().solve(A.transpose());
   const Eigen::VectorXd weights = solve.row(0);
@@ -62,7 +63,10 @@ bool LineSmoother::fits(const Window& window, const std::vector<double>& reading
   return scatter <= window.kernel->expected_rest * (1.0 + kScatter * std::sqrt(2.0 / std::max(free, 2.0)));
 }
 
-LineSmoother::LineSmoother(const ReadingLine& line) : line_(line), levels_(line.size(), 1) {
+LineSmoother::LineSmoother(const ReadingLine& line, std::shared_ptr<Kernels> kernels)
+    : line_(line),
+      kernels_(kernels ? std::move(kernels) : std::make_shared<Kernels>()),
+      levels_(line.size(), 1) {
   for (auto& windows : window_) windows.resize(line.size());
   for (auto& sigmas : sigma_mm_) sigmas.resize(line.size());
   for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
@@ -71,7 +75,7 @@ LineSmoother::LineSmoother(const ReadingLine& line) : line_(line), levels_(line.
         const std::size_t left = std::min(kHalf[k], i - line.segment[s]);
         const std::size_t right = std::min(kHalf[k], line.segment[s + 1] - 1 - i);
         if (k > 0 && left + right + 1 < kFewest) break;
-        window_[k][i] = {i - left, &kernelFor(left, right)};
+        window_[k][i] = {i - left, &kernels_->kernelFor(line_.q, left, right)};
         sigma_mm_[k][i] = std::sqrt(covariance(window_[k][i], window_[k][i]));
         levels_[i] = static_cast<std::uint8_t>(k + 1);
       }

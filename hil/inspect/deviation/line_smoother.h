@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <tuple>
 #include <vector>
 
 #include "hil/inspect/deviation/error_model.h"
@@ -21,7 +23,10 @@ namespace kerfbench::inspect {
 /// height. Windows do not reach across a gap.
 class LineSmoother {
  public:
-  explicit LineSmoother(const ReadingLine& line);
+  class Kernels;
+  /// `kernels`: those that lines have in common; null: the line has its own. Keeps a reference to the line;
+  /// it must outlive this.
+  explicit LineSmoother(const ReadingLine& line, std::shared_ptr<Kernels> kernels = nullptr);
 
   /// Estimates from readings of the same line, e.g. those of the line itself or simulated ones; the width
   /// chosen for each goes to `level` unless that is null.
@@ -57,16 +62,25 @@ class LineSmoother {
     std::size_t first{};
     const Kernel* kernel{};
   };
-  const Kernel& kernelFor(std::size_t left, std::size_t right);
   [[nodiscard]] bool fits(const Window& window, const std::vector<double>& reading_mm) const;
   [[nodiscard]] double covariance(const Window& a, const Window& b) const;
   static double apply(const Window& window, const std::vector<double>& reading_mm);
 
   const ReadingLine& line_;
-  std::map<std::pair<std::size_t, std::size_t>, Kernel> kernels_;
+  std::shared_ptr<Kernels> kernels_;
   std::array<std::vector<Window>, kHalf.size()> window_;
   std::array<std::vector<double>, kHalf.size()> sigma_mm_;
   std::vector<std::uint8_t> levels_;  ///< How many widths fit at each reading.
+};
+
+/// Kernels by the correlation of neighbours' noise and the readings on either side, made when they are asked
+/// for first: a third of a megabyte for a line, and the same for all lines with readings as dense.
+class LineSmoother::Kernels {
+ public:
+  const Kernel& kernelFor(double q, std::size_t left, std::size_t right);
+
+ private:
+  std::map<std::tuple<double, std::size_t, std::size_t>, Kernel> kernels_;
 };
 
 }  // namespace kerfbench::inspect

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/QR>
 
@@ -84,13 +85,9 @@ Draws sumOfSquares(std::span<const Draws> values, LineKind::Rms about) {
   return sum;
 }
 
-SimulatedLine::SimulatedLine(const ReadingLine& line, const LineKind& kind)
-    : rms(kind.rms),
-      reading_mm(line.size()),
-      shift_mm(line.size()),
-      line_(line),
-      smoother_(line),
-      noise_(kDrawsAtOnce * line.size()) {
+SimulatedLine::SimulatedLine(const ReadingLine& line, const LineKind& kind,
+                             std::shared_ptr<LineSmoother::Kernels> kernels)
+    : rms(kind.rms), line_(line), smoother_(line, std::move(kernels)) {
   for (Eigen::Index k = 0; k < line.shared.cols(); ++k) {
     if ((line.shared.col(k).array() != 0.0).any()) columns_.push_back(k);
   }
@@ -126,24 +123,27 @@ std::vector<double> SimulatedLine::likelyTruth() {
 }
 
 void SimulatedLine::measure(std::span<const CounterRandom, kDrawsAtOnce> noise, std::uint64_t first,
-                            std::span<const Draws> shared_error) {
-  addShared(weights_, shared_error, shift_mm);
+                            std::span<const Draws> shared_error, SimulatedReadings& into) const {
   const std::size_t n = line_.size();
+  into.reading_mm.resize(n);
+  into.shift_mm.resize(n);
+  into.noise.resize(kDrawsAtOnce * n);
+  addShared(weights_, shared_error, into.shift_mm);
   for (std::size_t d = 0; d < kDrawsAtOnce; ++d)
-    fillNormals(noise[d], first, std::span(noise_).subspan(d * n, n));
+    fillNormals(noise[d], first, std::span(into.noise).subspan(d * n, n));
   const double innovation = std::sqrt(1.0 - line_.q * line_.q);
   for (std::size_t s = 0; s + 1 < line_.segment.size(); ++s) {
     const std::size_t begin = line_.segment[s];
     Draws z{};
     for (std::size_t i = begin; i < line_.segment[s + 1]; ++i) {
       for (std::size_t d = 0; d < kDrawsAtOnce; ++d) {
-        const double drawn = noise_[d * n + i];
+        const double drawn = into.noise[d * n + i];
         z[d] = i == begin ? drawn : line_.q * z[d] + innovation * drawn;
-        reading_mm[i][d] = likely_mm[i] + line_.sigma_mm[i] * z[d] + shift_mm[i][d];
+        into.reading_mm[i][d] = likely_mm[i] + line_.sigma_mm[i] * z[d] + into.shift_mm[i][d];
       }
     }
   }
-  smoother_.apply(reading_mm, level, simulated_mm);
+  smoother_.apply(into.reading_mm, level, into.simulated_mm);
 }
 
 std::vector<double> SimulatedLine::seen() const {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -28,18 +29,27 @@ using Draws = LineSmoother::Draws;
 Draws largestOf(std::span<const Draws> values);
 Draws sumOfSquares(std::span<const Draws> values, LineKind::Rms about);
 
+/// Simulated measurements of one line, one number for each reading and draw.
+struct SimulatedReadings {
+  std::vector<Draws> reading_mm;
+  std::vector<Draws> shift_mm;      ///< What the shared errors made of them.
+  std::vector<Draws> simulated_mm;  ///< Readings, smoothed.
+  std::vector<double> noise;        ///< Draw by draw.
+};
+
 /// One line with all that simulated measurements of it need.
 class SimulatedLine {
  public:
-  /// Keeps references to the line; it must outlive this.
-  SimulatedLine(const ReadingLine& line, const LineKind& kind);
+  /// Keeps references to the line; it must outlive this. `kernels` as of LineSmoother.
+  SimulatedLine(const ReadingLine& line, const LineKind& kind,
+                std::shared_ptr<LineSmoother::Kernels> kernels = nullptr);
 
   /// Columns of ReadingLine::shared that are not all nought: the others' errors need not be drawn.
   [[nodiscard]] const std::vector<Eigen::Index>& columns() const { return columns_; }
-  /// Fills reading_mm, shift_mm and simulated_mm: the likely truth with the noise of a stream for each draw,
-  /// from the counter `first` on, and the shared errors, one for each of columns().
+  /// Fills `into`: the likely truth with the noise of a stream for each draw, from the counter `first` on,
+  /// and the shared errors, one for each of columns().
   void measure(std::span<const CounterRandom, kDrawsAtOnce> noise, std::uint64_t first,
-               std::span<const Draws> shared_error);
+               std::span<const Draws> shared_error, SimulatedReadings& into) const;
 
   [[nodiscard]] const LineSmoother& smoother() const { return smoother_; }
   /// The likely truth as it is measured without noise.
@@ -58,9 +68,6 @@ class SimulatedLine {
   std::vector<double> likely_mm;    ///< The likely truth.
   double noise_share{};             ///< Share of the estimates' noise variance that likely_mm still holds.
   double error_squares{};           ///< Expected sum of squares of the readings' errors.
-  std::vector<Draws> reading_mm;    ///< Readings of the last measure().
-  std::vector<Draws> shift_mm;      ///< What the shared errors made of them.
-  std::vector<Draws> simulated_mm;  ///< Readings of the last measure(), smoothed.
 
  private:
   [[nodiscard]] std::vector<double> likelyTruth();
@@ -69,7 +76,6 @@ class SimulatedLine {
   LineSmoother smoother_;
   std::vector<Eigen::Index> columns_;
   std::vector<double> weights_;  ///< Each reading's row of ReadingLine::shared, in columns_, mm.
-  std::vector<double> noise_;    ///< Draw by draw.
   std::optional<Roundness> roundness_;
 };
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "hil/base/parallel.h"
@@ -176,18 +177,20 @@ class Batch {
   }
 
   /// Measures a line; its first reading takes the noise at counter `first`.
-  void measure(SimulatedLine& line, std::size_t number, std::uint64_t first) const {
+  void measure(const SimulatedLine& line, std::size_t number, std::uint64_t first,
+               SimulatedReadings& into) const {
     std::vector<Draws> shared;
     for (const Eigen::Index column : line.columns()) shared.push_back(errorOf(column, number));
-    line.measure(noise_, first, shared);
+    line.measure(noise_, first, shared, into);
   }
 
-  [[nodiscard]] Draws rangesOf(const SimulatedLine& circle, std::size_t number, std::uint64_t seed) const {
+  [[nodiscard]] Draws rangesOf(const SimulatedLine& circle, std::size_t number, std::uint64_t seed,
+                               const SimulatedReadings& readings) const {
     return circle.roundness()->simulated(generators([&](std::uint64_t d) {
                                            return CounterRandom(
                                                seed, kRoundStream + kDraws * number + first_draw_ + d);
                                          }),
-                                         circle.shift_mm);
+                                         readings.shift_mm);
   }
 
  private:
@@ -246,8 +249,8 @@ Tally tallyOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines) 
 
 /// Simulates all draws; roundness goes to `round[line]` for circles. Lines share nothing but what was drawn
 /// for all of them.
-void simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::uint64_t seed, int threads,
-              Tally& tally, std::vector<std::vector<double>>& round) {
+void simulate(const ErrorModel& model, const std::vector<SimulatedLine>& lines, std::uint64_t seed,
+              int threads, Tally& tally, std::vector<std::vector<double>>& round) {
   static_assert(kDraws % (kDrawsAtOnce * kBatchesAtOnce) == 0);
   std::vector<std::uint64_t> first(lines.size() + 1, 0);
   for (std::size_t l = 0; l < lines.size(); ++l) first[l + 1] = first[l] + model.lines[l].size() + 1;
@@ -256,17 +259,18 @@ void simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::u
     for (std::size_t b = 0; b < kBatchesAtOnce; ++b)
       batches.emplace_back(model, seed, begin + b * kDrawsAtOnce);
     base::forEachIndex(lines.size(), threads, [&](std::size_t l) {
+      SimulatedReadings readings;
       std::size_t draw = begin;
       for (const Batch& batch : batches) {
-        batch.measure(lines[l], l, first[l]);
-        const Draws worst = largestOf(lines[l].simulated_mm);
-        const Draws squares = sumOfSquares(lines[l].reading_mm, lines[l].rms);
+        batch.measure(lines[l], l, first[l], readings);
+        const Draws worst = largestOf(readings.simulated_mm);
+        const Draws squares = sumOfSquares(readings.reading_mm, lines[l].rms);
         for (std::size_t d = 0; d < kDrawsAtOnce; ++d, ++draw) {
           tally.draws[draw].worst[l] = worst[d];
           tally.draws[draw].sum_of_squares[l] = squares[d];
         }
         if (!lines[l].roundness()) continue;
-        const Draws ranges = batch.rangesOf(lines[l], l, seed);
+        const Draws ranges = batch.rangesOf(lines[l], l, seed, readings);
         round[l].insert(round[l].end(), ranges.begin(), ranges.end());
       }
     });
@@ -349,7 +353,8 @@ DeviationResult measureDeviations(const ErrorModel& model, const std::vector<Lin
                                   double limit_mm, std::uint64_t seed, int threads) {
   std::vector<SimulatedLine> lines;
   lines.reserve(model.lines.size());
-  for (std::size_t l = 0; l < model.lines.size(); ++l) lines.emplace_back(model.lines[l], kinds[l]);
+  const auto kernels = std::make_shared<LineSmoother::Kernels>();
+  for (std::size_t l = 0; l < model.lines.size(); ++l) lines.emplace_back(model.lines[l], kinds[l], kernels);
   std::vector<std::vector<double>> round(lines.size());
   Tally tally = tallyOf(model, lines);
   simulate(model, lines, seed, threads, tally, round);

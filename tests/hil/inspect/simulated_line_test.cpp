@@ -43,12 +43,13 @@ std::array<CounterRandom, kDrawsAtOnce> streamsFrom(std::uint64_t draw) {
 
 /// Errors of each simulated reading, in its stated standard deviation.
 std::vector<std::vector<double>> errorsOf(const ReadingLine& line) {
-  SimulatedLine simulated(line, LineKind{});
+  const SimulatedLine simulated(line, LineKind{});
+  SimulatedReadings readings;
   std::vector<std::vector<double>> errors(line.size());
   for (std::uint64_t draw = 0; draw < kDraws; draw += kDrawsAtOnce) {
-    simulated.measure(streamsFrom(draw), 0, {});
+    simulated.measure(streamsFrom(draw), 0, {}, readings);
     for (std::size_t i = 0; i < line.size(); ++i) {
-      for (const double reading_mm : simulated.reading_mm[i])
+      for (const double reading_mm : readings.reading_mm[i])
         errors[i].push_back((reading_mm - simulated.likely_mm[i]) / line.sigma_mm[i]);
     }
   }
@@ -104,21 +105,22 @@ TEST(SimulatedLine, EachDrawHasItsSharedErrorsAndIsSmoothedByItself) {
   }
   line.shared.col(2).setLinSpaced(0.01, 0.02);
   line.shared.col(ReadingLine::kLine)[1] = 0.04;
-  SimulatedLine simulated(line, LineKind{});
+  const SimulatedLine simulated(line, LineKind{});
   ASSERT_EQ(simulated.columns(), (std::vector<Eigen::Index>{2, ReadingLine::kLine}));
   std::array<Draws, 2> errors{};
   for (std::size_t d = 0; d < kDrawsAtOnce; ++d) errors[0][d] = 1.0 + static_cast<double>(d);
   errors[1][3] = -2.0;
-  simulated.measure(streamsFrom(0), 0, errors);
-  const Draws worst = largestOf(simulated.simulated_mm);
-  const Draws squares = sumOfSquares(simulated.reading_mm, LineKind::Rms::kAboutMean);
+  SimulatedReadings readings;
+  simulated.measure(streamsFrom(0), 0, errors, readings);
+  const Draws worst = largestOf(readings.simulated_mm);
+  const Draws squares = sumOfSquares(readings.reading_mm, LineKind::Rms::kAboutMean);
   for (std::size_t d = 0; d < kDrawsAtOnce; ++d) {
     std::vector<double> alone(kFewReadings);
     for (std::size_t i = 0; i < kFewReadings; ++i) {
       alone[i] = simulated.likely_mm[i] +
                  line.shared(static_cast<Eigen::Index>(i), 2) * (1.0 + static_cast<double>(d));
       if (i == 1 && d == 3) alone[i] -= 2.0 * 0.04;
-      EXPECT_NEAR(simulated.reading_mm[i][d], alone[i], 1e-12);
+      EXPECT_NEAR(readings.reading_mm[i][d], alone[i], 1e-12);
     }
     std::vector<double> smooth;
     simulated.smoother().apply(alone, simulated.level, smooth);
