@@ -96,6 +96,8 @@ std::optional<std::vector<inspect::Span>> guardOpen(const source::PinRecording& 
 
 std::vector<inspect::BeltEdge> beltEdges(const source::PinRecording& recording, double count_mm) {
   std::vector<inspect::BeltEdge> belt;
+  belt.reserve(
+      recording.sensors.size());  // Nearly all are the encoder's, and a vector that grows is there twice.
   source::EncoderCounter encoder(recording.rate);
   for (const SensorEdge& sensor : recording.sensors.streamed()) {
     if (const auto edge = encoder.take(sensor))

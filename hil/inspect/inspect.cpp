@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <initializer_list>
 #include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -110,10 +111,11 @@ Measured measured(const Evidence& evidence, const Tolerances& limits, const chec
   Measured m{evidence, limits, edges, half_light_mm};
   m.lit = followDieline(evidence.spot, *evidence.dieline, fedIntervals(evidence));
   m.half_kerf_mm = edges != nullptr ? checks::halfKerf(evidence.kerf, *edges) : 0.0;
-  LitFrames motion = m.lit;
+  std::optional<LitFrames> from_kerf;  // Only where it differs.
   if (edges != nullptr) {
+    from_kerf = m.lit;
     checks::measureFromBeamLine(*edges, m.half_kerf_mm, m.lit);
-    checks::measureFromOwnKerf(evidence.kerf, *edges, motion);
+    checks::measureFromOwnKerf(evidence.kerf, *edges, *from_kerf);
   }
   append(result.problems, checks::spotProblems(evidence, m.lit));
 
@@ -126,7 +128,7 @@ Measured measured(const Evidence& evidence, const Tolerances& limits, const chec
   }
   result.joints = checks::measureJoints(evidence);
   checks::countPasses(evidence, m.lit, result.entities);
-  m.stillness = checks::measureCuts(evidence, motion, limits);
+  m.stillness = checks::measureCuts(evidence, from_kerf ? *from_kerf : m.lit, limits);
   result.cuts = m.stillness.cuts;
   for (const UncertaintyBudget& budget : {m.deviations.budget, m.stillness.budget}) {
     if (!budget.entries.empty()) result.budgets.push_back(budget);

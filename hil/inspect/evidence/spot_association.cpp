@@ -28,30 +28,31 @@ constexpr double kMinChord_mm = 0.05;  // Shorter steps tell no direction.
 constexpr double kOtherWay_rad = 0.17;
 constexpr double kTurn_rad = 0.35;  // Less is no corner.
 
-/// All poses of one unit over time.
+/// All poses of one unit over time. They must outlive it.
 class PoseTrack {
  public:
-  void add(double time_s, const vision::SheetPose& pose) { poses_.emplace_back(time_s, pose); }
+  void add(double time_s, const vision::SheetPose& pose) { poses_.emplace_back(time_s, &pose); }
 
   [[nodiscard]] std::optional<vision::SheetPose> at(double time_s) const {
     const auto after = std::lower_bound(poses_.begin(), poses_.end(), time_s,
                                         [](const auto& entry, double t) { return entry.first < t; });
     if (after == poses_.end()) return std::nullopt;
-    if (after->first == time_s) return after->second;
+    if (after->first == time_s) return *after->second;
     if (after == poses_.begin()) return std::nullopt;
     const auto before = after - 1;
     if (after->first - before->first > kMaxPoseGap_s) return std::nullopt;
     const double share = (time_s - before->first) / (after->first - before->first);
-    vision::SheetPose pose = before->second;
-    pose.p_WS_mm += share * (after->second.p_WS_mm - before->second.p_WS_mm);
-    pose.angle_rad += share * (after->second.angle_rad - before->second.angle_rad);
-    pose.covariance =
-        (1.0 - share) * (1.0 - share) * before->second.covariance + share * share * after->second.covariance;
+    const vision::SheetPose& earlier = *before->second;
+    const vision::SheetPose& later = *after->second;
+    vision::SheetPose pose = earlier;
+    pose.p_WS_mm += share * (later.p_WS_mm - earlier.p_WS_mm);
+    pose.angle_rad += share * (later.angle_rad - earlier.angle_rad);
+    pose.covariance = (1.0 - share) * (1.0 - share) * earlier.covariance + share * share * later.covariance;
     return pose;
   }
 
  private:
-  std::vector<std::pair<double, vision::SheetPose>> poses_;
+  std::vector<std::pair<double, const vision::SheetPose*>> poses_;
 };
 
 /// Standard uncertainty, per axis, of where the sheet is under a point, by one frame's marks.

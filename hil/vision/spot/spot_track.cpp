@@ -365,6 +365,7 @@ class SpotFollower {
                                    glance.expected);
       }
     }
+    out.sheet.shrink_to_fit();  // Frames come by the million.
     track_.frames.push_back(std::move(out));
   }
 
