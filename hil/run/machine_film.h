@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
-#include <vector>
 
 #include <Eigen/Core>
 
+#include "hil/base/spilled_vector.h"
 #include "twin/description/description.h"
 #include "twin/description/machine_pose.h"
 #include "twin/scene/scene.h"
@@ -17,7 +18,7 @@ class Twin;
 namespace kerfbench::run {
 
 /// Where machine and beam were, quantum by quantum: what pictures of a run need. Nothing that judges may use
-/// it. 150 bytes a quantum.
+/// it. 120 bytes a quantum, in a temporary file when they are many.
 class MachineFilm {
  public:
   /// `full_power_w`: the laser counts as on from a hundredth of it.
@@ -27,7 +28,7 @@ class MachineFilm {
   void add(const twin::Twin& twin);
 
   [[nodiscard]] bool empty() const { return frames_.empty(); }
-  [[nodiscard]] double end_s() const { return frames_.empty() ? 0.0 : frames_.back().pose.time_s; }
+  [[nodiscard]] double end_s() const { return frames_.empty() ? 0.0 : frames_.back().time_s; }
   /// The middle of the longest path that was cut without a break, by its length on the sheet; the end if
   /// nothing was cut.
   [[nodiscard]] double middleOfLongestCut_s() const;
@@ -44,12 +45,17 @@ class MachineFilm {
                                           const Eigen::AlignedBox2d& unit_S_mm) const;
 
  private:
+  /// The pose and the beam, in numbers alone so that a file can hold them.
   struct Frame {
-    twin::MachinePose pose;
-    Eigen::Vector2d p_WQ_mm{Eigen::Vector2d::Zero()};
+    using Pair = std::array<double, 2>;
+    double time_s{};
+    double roller_mm{}, belt_travel_mm{};
+    Pair sheet_slip_mm{}, frame_mm{}, gantry_mm{}, mirror_rad{};
+    Pair p_WQ_mm{};
     double emitted_j{};
     bool lit{};  ///< Since the frame before.
   };
+  static twin::MachinePose poseOf(const Frame& frame);
 
   [[nodiscard]] std::size_t indexAt(double time_s) const;
   [[nodiscard]] twin::SceneContent contentUpTo(std::size_t last, const twin::WebDescription& web,
@@ -57,7 +63,7 @@ class MachineFilm {
   [[nodiscard]] Eigen::Vector2d spotOnBelt_mm(std::size_t index) const;
 
   double lit_w_;
-  std::vector<Frame> frames_;
+  base::SpilledVector<Frame> frames_;
 };
 
 }  // namespace kerfbench::run
