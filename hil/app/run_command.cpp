@@ -13,6 +13,7 @@
 #include "hil/cli/run_guarded.h"
 #include "hil/judge/conclude.h"
 #include "hil/judge/controller_evidence.h"
+#include "hil/judge/kerf_watch.h"
 #include "hil/judge/results_folder.h"
 #include "hil/judge/run_options.h"
 #include "hil/judge/spot_watch.h"
@@ -97,6 +98,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   run::ModelMachine machine(test_case, sampled, info.rate, run::modelOptions(test_case));
   const std::unique_ptr<judge::SpotWatch> spot_watch =
       judge::SpotWatch::of(test_case, machine, info.rate, options.jobs);
+  const std::unique_ptr<judge::KerfWatch> kerf_watch = judge::KerfWatch::of(test_case, machine, options.jobs);
   run::LockstepOptions lockstep = run::lockstepFor(test_case);
   lockstep.heard = judge::heardBy(spot_watch.get());
   const bool provoked = scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
@@ -108,7 +110,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   run::RecordedRun run = machine.run(*source, job.dialog.get(), lockstep, base::progressOn(console));
   if (provoked) console.say("  " + job.dialog->message());
   run::tellRemarks(job, console);
-  stopwatch.lap(spot_watch ? "firmware and machine, spot camera beside them" : "firmware and machine");
+  stopwatch.lap(spot_watch ? "firmware and machine, cameras beside them" : "firmware and machine");
 
   judge::Conclusion conclusion;
   conclusion.folder_name = scenario.name;
@@ -118,6 +120,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   conclusion.sampled = &sampled;
   conclusion.machine = &machine;
   conclusion.spot_watch = spot_watch.get();
+  conclusion.kerf_watch = kerf_watch.get();
   conclusion.firmware_sha256 = base::sha256File(scenario.firmware.image);
   conclusion.firmware_version = std::move(job.controller);
   conclusion.gcode = std::move(job.gcode);

@@ -13,7 +13,8 @@ namespace kerfbench::camera {
 struct KerfTile {
   GrayImage image;
   Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
-  int unit{};  ///< Unit on the table; every unit is laid down and looked at alone.
+  int unit{};      ///< Unit on the table; every unit is laid down and looked at alone.
+  bool is_last{};  ///< No other tile of this unit follows; false: not told.
 };
 
 }  // namespace kerfbench::camera

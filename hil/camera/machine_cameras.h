@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "hil/camera/frame_source.h"
@@ -19,6 +20,11 @@ class MachineCameras {
   virtual std::unique_ptr<FramesMeanwhile> spotFramesMeanwhile(int /*threads*/) { return nullptr; }
   /// Pictures of the kerf camera of the sheet as it was in the end. Valid as long as this.
   virtual std::unique_ptr<TileSource> kerfTiles(int threads) = 0;
+  /// The same pictures while the machine runs; to be called before. `most_waiting`: units that may wait for
+  /// their pictures, >= 1; then the machine waits. Null: this camera is asked afterwards.
+  virtual std::unique_ptr<TilesMeanwhile> kerfTilesMeanwhile(int /*threads*/, std::size_t /*most_waiting*/) {
+    return nullptr;
+  }
 };
 
 }  // namespace kerfbench::camera

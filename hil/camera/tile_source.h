@@ -15,4 +15,12 @@ class TileSource {
   virtual std::vector<KerfTile> nextBatch(std::size_t max) = 0;
 };
 
+/// Tiles of a web whose machine still runs: each unit's are handed out as soon as it has left the machine,
+/// the others when the machine has stopped.
+class TilesMeanwhile : public TileSource {
+ public:
+  /// Nobody measures any more: nothing waits from now on.
+  virtual void close() = 0;
+};
+
 }  // namespace kerfbench::camera

@@ -124,7 +124,8 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
     report.provoked = true;
     addJudgement(judgeSafeState(test_case, run, *conclusion.safe_state), report);
   } else {
-    const Cameras cameras{*conclusion.machine, conclusion.spot_frames, options.jobs, conclusion.spot_watch};
+    const Cameras cameras{*conclusion.machine, conclusion.spot_frames, options.jobs, conclusion.spot_watch,
+                          conclusion.kerf_watch};
     addJudgement(judge(test_case, run, conclusion.words, cameras, {stopwatch, base::progressOn(console)}),
                  report);
   }

@@ -10,6 +10,7 @@
 #include "hil/base/stopwatch.h"
 #include "hil/controller/controller_report.h"
 #include "hil/inspect/safe_state.h"
+#include "hil/judge/kerf_watch.h"
 #include "hil/judge/run_options.h"
 #include "hil/judge/spot_watch.h"
 #include "hil/run/lockstep.h"
@@ -30,6 +31,7 @@ struct Conclusion {
   const twin::SampledMachine* sampled{};  ///< The machine that ran; not null.
   run::ModelMachine* machine{};  ///< After its run: cameras, film, and what the model alone knows; not null.
   SpotWatch* spot_watch{};       ///< Looked at that machine during its run; may be null.
+  KerfWatch* kerf_watch{};       ///< Did so as well.
   std::vector<std::string> remarks;  ///< What the firmware said that is no fault, in sentences.
   std::string gcode;                 ///< Written to the results folder unless empty.
   controller::ControllerReport words;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/judge/judge.h"
 
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -23,11 +22,6 @@
 
 namespace kerfbench::judge {
 namespace {
-
-// Close enough to see the missing start of a line where the laser comes 2 ms late (0.2 mm at 20 m/s²).
-constexpr double kMeasuredBegin = 0.03;
-constexpr double kMeasuredLaw = 0.4;
-constexpr double kStationPitch_mm = 0.1;
 
 void append(const std::vector<std::string>& problems, inspect::Evidence& evidence) {
   evidence.problems.insert(evidence.problems.end(), problems.begin(), problems.end());
@@ -80,16 +74,14 @@ class Look {
       atRealSpot(recording, spot);
       observer_.stopwatch.lap("spot camera: measure");
       observer_.progress(-1, "looking at the cut");
-      atCut(*kerfPictures(kerf), kerf);
+      atCut(kerf);
       observer_.stopwatch.lap("kerf camera: render and measure");
       return;
     }
     observer_.progress(-1, "looking at spot and cut");
-    const std::unique_ptr<camera::TileSource> tiles = kerfPictures(kerf);
     // What the one does in order leaves the processor to the other.
-    base::forEachIndex(2, cameras_.threads, [&](std::size_t camera) {
-      camera == 0 ? atSpot(recording, spot) : atCut(*tiles, kerf);
-    });
+    base::forEachIndex(2, cameras_.threads,
+                       [&](std::size_t camera) { camera == 0 ? atSpot(recording, spot) : atCut(kerf); });
     observer_.stopwatch.lap("spot and kerf camera: render and measure");
   }
 
@@ -121,29 +113,15 @@ class Look {
         spotTrackOptions(test_case_, beamAim(test_case_, stepsOf(test_case_, recording)), cameras_.threads));
   }
 
-  void atCut(camera::TileSource& tiles, const vision::CameraCalibration& calibration) {
-    vision::KerfScanOptions options;
-    options.threads = cameras_.threads;
-    options.station_pitch_mm = kStationPitch_mm;
-    options.stray_min_mm = test_case_.scenario.limits.leastStray_mm(calibration.pitchMm());
-    options.beam_radius_mm = test_case_.machine.beam.waist_radius_mm;     // As the laser's data sheet has it.
-    options.board_thickness_mm = test_case_.scenario.board.thickness_mm;  // As the board's has it.
-    options.beam_radius_sigma = test_case_.beam_radius_sigma;
-    options.print_sigma_mm = test_case_.scenario.print_sigma_mm;
-    if (const auto& curve = test_case_.scenario.board.depth_curve; !curve.empty()) {
-      // Somebody has measured the material: what is left is that of the measurement.
-      options.growth.begin = curve.front().fluence_share;
-      options.begin_sigma = kMeasuredBegin;
-      options.law_sigma = kMeasuredLaw;
+  /// What the kerf camera shows, as far as it was not looked at during the run.
+  void atCut(const vision::CameraCalibration& calibration) {
+    if (cameras_.kerf_watch != nullptr) {
+      evidence_.kerf = cameras_.kerf_watch->finished();
+      return;
     }
-    const machine_file::CameraFile& camera = test_case_.kerf_camera;
-    // A bow moves tiles as a bad stop does, and neighbours alike.
-    options.table_sigma_mm = std::hypot(camera.table_sigma_mm, camera.table_straightness_mm);
-    options.table_scale_sigma = camera.table_scale_sigma;
-    options.scale_sigma = std::hypot(camera.target_scale_sigma, test_case_.scenario.swelling_sigma);
-    options.open_gray = test_case_.machine.kerf_camera.open_gray;  // As the light was set up.
-    options.open_gray_sigma = camera.open_gray_sigma;
-    evidence_.kerf = scanKerf(tiles, calibration, test_case_.scenario.print, *test_case_.dieline, options);
+    const std::unique_ptr<camera::TileSource> tiles = kerfPictures(calibration);
+    evidence_.kerf = scanKerf(*tiles, calibration, test_case_.scenario.print, *test_case_.dieline,
+                              kerfScanOptions(test_case_, calibration, cameras_.threads));
   }
 
   std::unique_ptr<camera::TileSource> kerfPictures(const vision::CameraCalibration& calibration) {

@@ -10,6 +10,7 @@
 #include "hil/camera/machine_cameras.h"
 #include "hil/controller/controller_report.h"
 #include "hil/inspect/safe_state.h"
+#include "hil/judge/kerf_watch.h"
 #include "hil/judge/spot_watch.h"
 #include "hil/report/run_report.h"
 #include "hil/run/lockstep.h"
@@ -26,6 +27,8 @@ struct Cameras {
   int threads{1};
   /// The look at the machine's spot camera that went on during the run; null: it is looked at now.
   SpotWatch* spot_watch{};
+  /// The same of its kerf camera.
+  KerfWatch* kerf_watch{};
 };
 
 /// Who is told how far it is.

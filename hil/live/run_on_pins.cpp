@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "hil/judge/controller_evidence.h"
+#include "hil/judge/kerf_watch.h"
+#include "hil/judge/spot_watch.h"
 #include "hil/live/live_pins.h"
 #include "hil/live/live_spot.h"
 #include "hil/live/salvage_evidence.h"
@@ -73,6 +75,7 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   run::ModelMachine machine(test_case, pins.sampled, recorded.rate, model);
   const std::unique_ptr<judge::SpotWatch> spot_watch =
       judge::SpotWatch::of(test_case, machine, recorded.rate, options.jobs);
+  const std::unique_ptr<judge::KerfWatch> kerf_watch = judge::KerfWatch::of(test_case, machine, options.jobs);
   run::LockstepOptions lockstep;
   lockstep.heard = judge::heardBy(spot_watch.get());
   lockstep.time_limit_s = test_case.scenario.time_limit_s;
@@ -83,10 +86,11 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   run.recording.sensors = recorded.sensors;
   run.recording.uart = recorded.uart;
   run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
-  stopwatch.lap(spot_watch ? "machine, spot camera beside it" : "machine");
+  stopwatch.lap(spot_watch ? "machine, cameras beside it" : "machine");
   conclusion.sampled = &pins.sampled;
   conclusion.machine = &machine;
   conclusion.spot_watch = spot_watch.get();
+  conclusion.kerf_watch = kerf_watch.get();
   // A recording without the controller's words is judged by its pins alone.
   if (!recorded.uart.empty()) {
     const bool provoked = test_case.scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;

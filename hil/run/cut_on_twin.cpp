@@ -23,10 +23,9 @@ std::vector<Eigen::AlignedBox2d> boxesOf(const dieline::Dieline& dieline) {
   return boxes;
 }
 
-}  // namespace
-
-camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::MachineDescription& machine,
-                                 const twin::Sheet& sheet, camera::TwinTileOptions options) {
+template <class Sheet>
+camera::TwinTileSource tilesOf(const scenario::Case& test_case, const twin::MachineDescription& machine,
+                               Sheet&& sheet, camera::TwinTileOptions options) {
   const scenario::Scenario& scenario = test_case.scenario;
   options.seed = scenario.seed;
   options.table = machine.inspection_table;
@@ -36,8 +35,20 @@ camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::Ma
   camera.fx_px *= grown;
   camera.fy_px *= grown;
   options.table.scale = (1.0 + options.table.scale) / grown - 1.0;
-  return {twin::KerfCamera(camera, scenario.print, scenario.seed), sheet, boxesOf(*test_case.dieline),
-          options};
+  return {twin::KerfCamera(camera, scenario.print, scenario.seed), std::forward<Sheet>(sheet),
+          boxesOf(*test_case.dieline), options};
+}
+
+}  // namespace
+
+camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::MachineDescription& machine,
+                                 const twin::Sheet& sheet, camera::TwinTileOptions options) {
+  return tilesOf(test_case, machine, sheet, std::move(options));
+}
+
+camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::MachineDescription& machine,
+                                 std::shared_ptr<camera::SheetFeed> feed, camera::TwinTileOptions options) {
+  return tilesOf(test_case, machine, std::move(feed), std::move(options));
 }
 
 CutSheet cutOnTwin(const scenario::Case& test_case, const std::filesystem::path& bin_dir,

@@ -18,6 +18,9 @@ namespace kerfbench::run {
 /// outlive it.
 camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::MachineDescription& machine,
                                  const twin::Sheet& sheet, camera::TwinTileOptions options);
+/// The same of a web that still runs.
+camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::MachineDescription& machine,
+                                 std::shared_ptr<camera::SheetFeed> feed, camera::TwinTileOptions options);
 
 /// A sheet that a release has cut on the twin.
 struct CutSheet {

@@ -9,6 +9,7 @@
 #include "hil/camera/twin/exposure_feed.h"
 #include "hil/camera/twin/twin_frames.h"
 #include "hil/run/cut_on_twin.h"
+#include "hil/run/passing_web.h"
 #include "hil/run/twin_model.h"
 
 namespace kerfbench::run {
@@ -24,6 +25,16 @@ twin::MachineDescription watched(twin::MachineDescription machine, bool beside_r
   if (beside_real_camera)
     camera.frame_period_s = std::min(camera.frame_period_s, std::max(camera.exposure_s, kDensePeriod_s));
   return machine;
+}
+
+// Beyond field and travel, as a share of the field: a beam that a fault drives there is far from any line.
+constexpr double kBeyondField = 0.25;
+
+/// Where the web is beyond the beam, x in W.
+double endOfReach_mm(const twin::MachineDescription& machine) {
+  const twin::ControllerDescription& told = machine.controller;
+  const double field_mm = told.field_max_mm[0] - told.field_min_mm[0];
+  return std::max(told.field_max_mm[0], machine.travel_max_mm[0]) + kBeyondField * field_mm;
 }
 
 twin::TwinOptions twinOptionsOf(const ModelOptions& options) {
@@ -42,6 +53,7 @@ class ModelMachine::Hidden {
          const twin::TwinOptions& options)
       : twin(machine, scenario::webOn(machine, test_case), rate, options) {}
   twin::Twin twin;
+  std::optional<PassingWeb> web;  ///< Absent: it is photographed afterwards.
 };
 
 ModelOptions modelOptions(const scenario::Case& test_case) {
@@ -66,12 +78,16 @@ RecordedRun ModelMachine::run(source::SignalSource& source, Dialog* dialog, cons
                               const ProgressFn& progress) {
   twin::Twin& twin = hidden_->twin;
   FilmedSource filmed(source, twin, film_);
-  TwinModel alone(twin, feed_.get());
-  WitnessedTwin witnessed(twin, feed_.get());
+  const Onlookers onlookers{feed_.get(), hidden_->web ? &*hidden_->web : nullptr};
+  TwinModel alone(twin, onlookers);
+  WitnessedTwin witnessed(twin, onlookers);
   LockstepModel& model = options_.witness_sensors ? static_cast<LockstepModel&>(witnessed) : alone;
   RecordedRun result = runLockstep(filmed, model, test_case_.machine.signals, dialog, options, progress);
   film_.add(twin);
   due_sensors_ = witnessed.due();
+  if (hidden_->web) hidden_->web->end(twin);
+  if (twin.beamOnPartedWeb())
+    result.problems.emplace_back("the beam went far beyond its field, onto web that had been taken away");
   return result;
 }
 
@@ -81,7 +97,10 @@ ModelTruth ModelMachine::truth() {
   return truth;
 }
 
-const twin::Sheet& ModelMachine::sheet() { return hidden_->twin.sheet(); }
+const twin::Sheet& ModelMachine::sheet() {
+  if (hidden_->web) throw std::logic_error("ModelMachine: the sheet is being taken away while it is cut");
+  return hidden_->twin.sheet();
+}
 
 std::unique_ptr<camera::FrameSource> ModelMachine::spotFrames(double from_s, double to_s, int threads) {
   std::vector<twin::Exposure> exposures = hidden_->twin.takeExposures();
@@ -105,6 +124,20 @@ std::unique_ptr<camera::TileSource> ModelMachine::kerfTiles(int threads) {
   options.threads = threads;
   return std::make_unique<camera::TwinTileSource>(
       run::kerfTiles(asPrinted(), sampled_.machine, sheet(), options));
+}
+
+std::unique_ptr<camera::TilesMeanwhile> ModelMachine::kerfTilesMeanwhile(int threads,
+                                                                         std::size_t most_waiting) {
+  if (hidden_->web) throw std::logic_error("ModelMachine: somebody looks at the cut already");
+  const auto feed = std::make_shared<camera::SheetFeed>(most_waiting);
+  camera::TwinTileOptions options;
+  options.threads = threads;
+  auto tiles =
+      std::make_unique<camera::TwinTileSource>(run::kerfTiles(asPrinted(), sampled_.machine, feed, options));
+  std::optional<std::vector<double>> partings_S_mm = tiles->partings_S_mm();
+  if (!partings_S_mm) return nullptr;
+  hidden_->web.emplace(feed, std::move(*partings_S_mm), endOfReach_mm(sampled_.machine));
+  return tiles;
 }
 
 scenario::Case ModelMachine::asPrinted() const {

@@ -66,13 +66,16 @@ class ModelMachine final : public camera::MachineCameras {
   [[nodiscard]] const base::SpilledVector<SensorEdge>& dueSensors() const { return due_sensors_; }
   /// Takes the exposures away where they belong to it.
   ModelTruth truth();
-  /// The sheet as it is now.
+  /// The sheet as it is now. @throws std::logic_error after kerfTilesMeanwhile(): its beginning is gone.
   const twin::Sheet& sheet();
 
   std::unique_ptr<camera::FrameSource> spotFrames(double from_s, double to_s, int threads) override;
   /// With it spotFrames() finds none. @throws std::logic_error after the first call.
   std::unique_ptr<camera::FramesMeanwhile> spotFramesMeanwhile(int threads) override;
   std::unique_ptr<camera::TileSource> kerfTiles(int threads) override;
+  /// Null where units reach into each other. With it kerfTiles() must not be asked.
+  /// @throws std::logic_error after the first call.
+  std::unique_ptr<camera::TilesMeanwhile> kerfTilesMeanwhile(int threads, std::size_t most_waiting) override;
 
  private:
   [[nodiscard]] twin::SpotCamera spotCamera() const;

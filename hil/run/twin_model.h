@@ -9,6 +9,7 @@
 #include "hil/camera/twin/exposure_feed.h"
 #include "hil/run/lockstep.h"
 #include "hil/run/machine_film.h"
+#include "hil/run/passing_web.h"
 #include "hil/source/signal_source.h"
 #include "twin/cutter/twin.h"
 
@@ -16,27 +17,34 @@
 
 namespace kerfbench::run {
 
-/// The twin as such a machine. `twin` must outlive it.
+/// Who looks at the twin while it runs; null: nobody.
+struct Onlookers {
+  camera::ExposureFeed* exposures{};  ///< Gets the exposures as they end, which else stay with the twin.
+  PassingWeb* web{};                  ///< Gets the web that has passed, which else stays with the twin.
+};
+
+/// The twin as such a machine. `twin` and onlookers must outlive it.
 class TwinModel : public LockstepModel {
  public:
-  /// `feed`: gets the exposures as they end; null: they stay with the twin.
-  explicit TwinModel(twin::Twin& twin, camera::ExposureFeed* feed = nullptr) : twin_(twin), feed_(feed) {}
+  explicit TwinModel(twin::Twin& twin, const Onlookers& onlookers = {})
+      : twin_(twin), onlookers_(onlookers) {}
   std::vector<SensorEdge> predictSensors(Tick until) override { return twin_.predictSensors(until); }
   void advance(Tick until, std::span<const PinEvent> events) override {
     twin_.advance(until, events);
-    if (feed_ != nullptr) feed_->add(twin_.takeExposures());
+    if (onlookers_.exposures != nullptr) onlookers_.exposures->add(twin_.takeExposures());
+    if (onlookers_.web != nullptr) onlookers_.web->look(twin_);
   }
   [[nodiscard]] double longestQuantum_s() const override { return twin_.longestQuantum_s(); }
 
  private:
   twin::Twin& twin_;
-  camera::ExposureFeed* feed_;
+  Onlookers onlookers_;
 };
 
 /// The twin, and what its sensors did while it was led by recorded pins. `twin` must outlive it.
 class WitnessedTwin final : public TwinModel {
  public:
-  explicit WitnessedTwin(twin::Twin& twin, camera::ExposureFeed* feed = nullptr) : TwinModel(twin, feed) {}
+  explicit WitnessedTwin(twin::Twin& twin, const Onlookers& onlookers = {}) : TwinModel(twin, onlookers) {}
   void advance(Tick until, std::span<const PinEvent> events) override {
     const std::vector<SensorEdge> edges = predictSensors(until);
     due_.append(edges);

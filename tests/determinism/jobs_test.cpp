@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/judge/judge.h"
+#include "hil/judge/kerf_watch.h"
 #include "hil/judge/spot_watch.h"
 #include "hil/report/run_report.h"
 #include "hil/run/dialogs.h"
@@ -36,22 +37,25 @@ class LabelRun {
     run::ModelMachine machine(case_, sampled_, run_.recording.rate, run::modelOptions(case_));
     const auto watch = judge::SpotWatch::of(case_, machine, run_.recording.rate, jobs);
     EXPECT_EQ(watch != nullptr, jobs > 1);
+    const auto kerf_watch = judge::KerfWatch::of(case_, machine, jobs);
+    EXPECT_TRUE(kerf_watch);
     run::LockstepOptions lockstep;
     lockstep.heard = judge::heardBy(watch.get());
     machine.run(*source::openRecording(run_.recording, "label"), nullptr, lockstep, {});
     base::Stopwatch stopwatch;
     report::RunReport report;
-    judge::addJudgement(judge::judge(case_, run_, {}, {machine, {}, jobs, watch.get()},
+    judge::addJudgement(judge::judge(case_, run_, {}, {machine, {}, jobs, watch.get(), kerf_watch.get()},
                                      {stopwatch, [](double, const std::string&) {}}),
                         report);
     return report;
   }
 
-  /// The spot is watched, and nobody asks for what was seen.
+  /// Spot and cut are watched, and nobody asks for what was seen.
   void leftAfterRun() const {
     run::ModelMachine machine(case_, sampled_, run_.recording.rate, run::modelOptions(case_));
     const auto watch = judge::SpotWatch::of(case_, machine, run_.recording.rate, 2);
     ASSERT_TRUE(watch);
+    ASSERT_TRUE(judge::KerfWatch::of(case_, machine, 2));
     watch->heard(run_.recording.end, std::vector<PinEvent>{run_.recording.outputs.front()});
   }
 

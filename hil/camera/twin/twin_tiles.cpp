@@ -59,12 +59,22 @@ void checkOptions(const TwinTileOptions& options, const AlignedBox2d& field) {
   if (!faults.empty()) throw std::invalid_argument(faults);
 }
 
+std::shared_ptr<SheetFeed> fedWith(const twin::Sheet& sheet) {
+  auto feed = std::make_shared<SheetFeed>(1);
+  feed->end({std::shared_ptr<void>(), &sheet});
+  return feed;
+}
+
 }  // namespace
 
 TwinTileSource::TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet,
                                const std::vector<AlignedBox2d>& interest_S_mm, const TwinTileOptions& options)
+    : TwinTileSource(std::move(camera), fedWith(sheet), interest_S_mm, options) {}
+
+TwinTileSource::TwinTileSource(twin::KerfCamera camera, std::shared_ptr<SheetFeed> feed,
+                               const std::vector<AlignedBox2d>& interest_S_mm, const TwinTileOptions& options)
     : camera_(std::move(camera)),
-      sheet_(&sheet),
+      feed_(std::move(feed)),
       threads_(options.threads),
       seed_(options.seed),
       table_(options.table) {
@@ -135,14 +145,29 @@ Vector2d TwinTileSource::takenAt(std::size_t index) const {
          table_.step_mm * Vector2d(random.normal(0), random.normal(1));
 }
 
+std::optional<std::vector<double>> TwinTileSource::partings_S_mm() const {
+  std::vector<double> partings;
+  for (std::size_t unit = 0; unit + 1 < pieces_.size(); ++unit) {
+    const double begin_x_mm = pieces_[unit].min_x_S_mm;
+    if (!std::isfinite(begin_x_mm)) return std::nullopt;
+    partings.push_back(begin_x_mm - static_cast<double>(unit) * camera_.print().pitch_mm);
+  }
+  return partings;
+}
+
 std::vector<KerfTile> TwinTileSource::nextBatch(std::size_t max) {
-  const std::size_t count = std::min(max, plan_.size() - next_);
+  if (next_ == plan_.size()) return {};
+  if (next_ == 0 || isLastOfUnit(next_ - 1)) sheet_ = feed_->take();
+  if (!sheet_) return {};
+  std::size_t count = 1;
+  while (count < max && !isLastOfUnit(next_ + count - 1)) ++count;
   std::vector<KerfTile> tiles(count);
   base::forEachIndex(count, threads_, [&](std::size_t i) {
-    const Place& place = plan_[next_ + i];
+    const std::size_t index = next_ + i;
+    const Place& place = plan_[index];
     const auto unit = static_cast<std::size_t>(place.unit);
-    tiles[i] = {camera_.render(*sheet_, place.unit, takenAt(next_ + i), lay_[unit], pieces_[unit]),
-                place.p_TV_mm, place.unit};
+    tiles[i] = {camera_.render(*sheet_, place.unit, takenAt(index), lay_[unit], pieces_[unit]), place.p_TV_mm,
+                place.unit, isLastOfUnit(index)};
   });
   next_ += count;
   return tiles;

@@ -3,12 +3,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "hil/camera/tile_source.h"
+#include "hil/camera/twin/sheet_feed.h"
 #include "twin/camera/camera.h"
 
 namespace kerfbench::camera {
@@ -33,15 +36,22 @@ struct TwinTileOptions {
 ///
 /// The web is parted halfway between the units, where the boxes of interest leave room for that: what was
 /// burnt on the neighbour's side is not seen.
-class TwinTileSource final : public TileSource {
+class TwinTileSource final : public TilesMeanwhile {
  public:
   /// `interest_S_mm`: boxes around the dieline's entities, in S; the printed marks are added to them. `sheet`
   /// must outlive this. @throws std::invalid_argument if there is nothing to look at or an option is out of
   /// range.
   TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet,
                  const std::vector<Eigen::AlignedBox2d>& interest_S_mm, const TwinTileOptions& options);
+  /// Pieces of a web that still runs, parted at partings_S_mm(). The tiles are those of the whole sheet.
+  TwinTileSource(twin::KerfCamera camera, std::shared_ptr<SheetFeed> feed,
+                 const std::vector<Eigen::AlignedBox2d>& interest_S_mm, const TwinTileOptions& options);
 
   std::vector<KerfTile> nextBatch(std::size_t max) override;
+  void close() override { feed_->close(); }
+  /// Where the web is parted behind each unit but the last, x in S of unit 0; nullopt if units reach into
+  /// each other.
+  [[nodiscard]] std::optional<std::vector<double>> partings_S_mm() const;
   [[nodiscard]] std::size_t size() const { return plan_.size(); }
   /// Pose of a unit on the table: the truth, for tests.
   [[nodiscard]] const Eigen::Isometry2d& lay(int unit) const {
@@ -56,8 +66,13 @@ class TwinTileSource final : public TileSource {
     Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
   };
 
+  [[nodiscard]] bool isLastOfUnit(std::size_t index) const {
+    return index + 1 == plan_.size() || plan_[index + 1].unit != plan_[index].unit;
+  }
+
   twin::KerfCamera camera_;
-  const twin::Sheet* sheet_;
+  std::shared_ptr<SheetFeed> feed_;
+  std::shared_ptr<const twin::Sheet> sheet_;  ///< Piece with the unit whose tiles are being taken.
   int threads_;
   std::uint64_t seed_;
   twin::InspectionTableDescription table_;

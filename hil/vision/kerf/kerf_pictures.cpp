@@ -113,6 +113,8 @@ std::vector<camera::KerfTile> UnitTiles::next() {
     if (!unit.empty() && pending_.back().unit != unit.front().unit) return unit;
     unit.push_back(std::move(pending_.back()));
     pending_.pop_back();
+    // Tiles of the next one may not have been taken yet.
+    if (unit.back().is_last) return unit;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -168,6 +169,37 @@ TEST(TwinTileSource, GivesTheSameTilesAtAnyNumberOfThreads) {
     for (const std::uint8_t gray : a[i].image.pixels) burnt = burnt || gray > 200;
   }
   EXPECT_TRUE(burnt);
+}
+
+TEST(TwinTileSource, APartedWebGivesTheTilesOfTheWholeSheet) {
+  twin::BoardDescription board;
+  board.scorch = {.fluence_j_mm2 = 0.2, .darkening = 0.3, .shift_mm = {0.9, 0.0}};
+  twin::Sheet sheet{board};
+  // Over both units and the parting between them.
+  sheet.burn({{-50.0, 3.0}, 0.1, 0.1}, {{40.0, 25.0}, 0.1, 0.1}, 10.0);
+  TwinTileSource whole(camera(twoUnits()), sheet, kDieline, {});
+  const std::vector<KerfTile> wanted = readAll(whole, 100);
+  const auto feed = std::make_shared<SheetFeed>(1);
+  TwinTileSource parted(camera(twoUnits()), feed, kDieline, {});
+  const auto partings = parted.partings_S_mm();
+  ASSERT_TRUE(partings && partings->size() == 1);
+  feed->add(std::make_shared<const twin::Sheet>(sheet.part(partings->front())));
+  feed->end(std::make_shared<const twin::Sheet>(sheet));
+  const std::vector<KerfTile> seen = readAll(parted, 3);
+  ASSERT_EQ(seen.size(), wanted.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    EXPECT_EQ(seen[i].image.pixels, wanted[i].image.pixels);
+    EXPECT_EQ(seen[i].p_TV_mm, wanted[i].p_TV_mm);
+    EXPECT_EQ(seen[i].is_last, i + 1 == seen.size() || seen[i + 1].unit != seen[i].unit);
+  }
+}
+
+TEST(TwinTileSource, AWebIsNotPartedWhereUnitsReachIntoEachOther) {
+  PrintLayout print = twoUnits();
+  print.pitch_mm = 45.0;
+  EXPECT_FALSE(TwinTileSource(camera(print), std::make_shared<SheetFeed>(1), kDieline, {})
+                   .partings_S_mm()
+                   .has_value());
 }
 
 TEST(TwinTileSource, LooksAtTheBoxesOfInterestOnlyWhenAsked) {
