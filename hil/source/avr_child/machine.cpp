@@ -17,7 +17,6 @@
 namespace kerfbench::avr_child {
 namespace {
 
-constexpr avr_cycle_count_t kRunCycleLimit = 16'000;
 constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
 constexpr std::uint64_t kMostClock_hz = 100'000'000;
 constexpr unsigned kWakeCycles = 4;  // What an interrupt takes longer out of sleep (data sheets of ATmega).
@@ -38,9 +37,6 @@ void removeColours(char* text) {
   }
   *to = '\0';
 }
-
-// Ends simavr's inner loop at a tick; what is due there is done by Machine::run().
-avr_cycle_count_t onHorizon(avr_t* /*avr*/, avr_cycle_count_t /*when*/, void* /*param*/) { return 0; }
 
 }  // namespace
 
@@ -72,6 +68,7 @@ Machine::Machine(const emulator::OpenRequest& options)
   pins_ = std::make_unique<Pins>(avr_, static_cast<std::size_t>(options.max_events));
   hookTimers();
   hookUart();
+  core_ = std::make_unique<Core>(avr_);
   afterReset();
 }
 
@@ -144,13 +141,12 @@ void Machine::hookUart() {
 }
 
 void Machine::afterReset() {
-  avr_->run_cycle_limit = kRunCycleLimit;  // simavr's resets put it back to one instruction
+  avr_->run_cycle_limit = 1;
   for (std::uint8_t i = 0; i < EXTINT_COUNT; ++i) avr_extint_set_strict_lvl_trig(avr_, i, 0);
   for (const auto& timer : timers_) timer->afterReset();
   pins_->refresh();
   pins_->redrive();
   xoff_ = false;
-  horizon_ = 0;
   service_due_ = false;
   asleep_ = false;
 }
@@ -259,9 +255,10 @@ std::string Machine::configuration() const {
   return "simavr 1.6, own stepping; shims: zero-TOP CTC, kept and exact TCNT, late-enabled interrupts, ICR "
          "as TOP, "
          "compare outputs apart from PORT, buffered fast PWM, single-bit SBI on PIN, external input levels, "
-         "10-bit UART, interrupt entry and wake-up cycles, no strict level interrupts; run_cycle_limit " +
-         std::to_string(kRunCycleLimit) + "; mcu " + options_.mcu + " at " +
-         std::to_string(options_.clock_hz) + " Hz, " + std::to_string(options_.baud) + " baud";
+         "10-bit UART, interrupt entry and wake-up cycles, no strict level interrupts; run_cycle_limit "
+         "16000; mcu " +
+         options_.mcu + " at " + std::to_string(options_.clock_hz) + " Hz, " + std::to_string(options_.baud) +
+         " baud";
 }
 
 void Machine::drive(std::uint64_t tick, std::uint16_t port, std::uint16_t bit, bool level) {
@@ -331,14 +328,7 @@ void Machine::sleepTo(std::uint64_t until) {
 }
 
 void Machine::runInstructions(std::uint64_t until) {
-  const std::uint64_t horizon = std::min(until, nextInput());
-  if (horizon_ != horizon || avr_cycle_timer_status(avr_, onHorizon, this) == 0) {
-    avr_cycle_timer_register(avr_, horizon - avr_->cycle, onHorizon, this);
-    horizon_ = horizon;
-  }
-  avr_->run_cycle_count =
-      std::min<avr_cycle_count_t>(kRunCycleLimit, avr_->cycle_timers.timer->when - avr_->cycle);
-  avr_->pc = avr_run_one(avr_);
+  core_->run(std::min(until, nextInput()));
   service_due_ = true;
 }
 

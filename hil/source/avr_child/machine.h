@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/source/avr_child/core.h"
 #include "hil/source/avr_child/image.h"
 #include "hil/source/avr_child/pins.h"
 #include "hil/source/avr_child/timer_shim.h"
@@ -89,6 +90,7 @@ class Machine : public emulator::Emulator {
 
   emulator::OpenRequest options_;
   avr_t* avr_{};
+  std::unique_ptr<Core> core_;
   std::unique_ptr<Pins> pins_;
   std::vector<std::unique_ptr<TimerShim>> timers_;
   std::vector<std::unique_ptr<Register>> registers_;
@@ -99,7 +101,6 @@ class Machine : public emulator::Emulator {
   std::uint64_t next_byte_at_{};
   emulator::SerialPace pace_;
   std::uint64_t watermark_{};
-  std::uint64_t horizon_{};
   bool xoff_{};
   bool service_due_{};
   bool asleep_{};

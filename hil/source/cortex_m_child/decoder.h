@@ -5,9 +5,11 @@
 #include <span>
 
 #include "hil/source/cortex_m_child/operation.h"
-#include "hil/source/cortex_m_child/pattern.h"
+#include "hil/source/emulator/pattern.h"
 
 namespace kerfbench::cortex_m_child {
+
+using emulator::Pattern;
 
 /// An instruction that is being decoded: its fields by letter, and where it is.
 struct Encoding {

@@ -4,14 +4,7 @@
 #include <cstdint>
 
 #include "hil/source/cortex_m_child/memory_map.h"
-
-/// A return that is a jump: handlers call one another in a chain as long as the run is. clang++ promises it;
-/// g++ does it because it optimises (see CMakeLists.txt).
-#if defined(__clang__)
-#define KERFBENCH_TAIL [[clang::musttail]]
-#else
-#define KERFBENCH_TAIL
-#endif
+#include "hil/source/emulator/tail_call.h"
 
 namespace kerfbench::cortex_m_child {
 

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: Apache-2.0
+// SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-or-later
 #pragma once
 
 #include <array>
@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <string_view>
 
-namespace kerfbench::cortex_m_child {
+namespace kerfbench::emulator {
 
-/// The bits of an encoding as ARMv7-M 2010 writes them, "010001 00 D mmmm ddd": 0 and 1 must be so, letters
+/// The bits of an encoding as a manual writes them, "010001 00 D mmmm ddd": 0 and 1 must be so, letters
 /// are fields, whose bits may be apart, and blanks are for the reader. Of 16 bits or of 32.
 class Pattern {
  public:
@@ -61,4 +61,4 @@ class Pattern {
   std::array<Letter, 8> letters_{};
 };
 
-}  // namespace kerfbench::cortex_m_child
+}  // namespace kerfbench::emulator

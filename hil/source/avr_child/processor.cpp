@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hil/source/avr_child/processor.h"
+
+#include <sim_core.h>
+
+#include <algorithm>
+
+namespace kerfbench::avr_child {
+namespace {
+
+constexpr std::uint32_t kCarry = 1U << 8U, kHalfCarry = 1U << 4U, kNegative = 1U << 7U;
+constexpr std::uint32_t kOverflow = 1U << 8U, kOtherSign = 1U << 16U;
+constexpr std::uint32_t kSpm = 0x95E8, kSpmPostIncrement = 0x95F8;
+/// The largest page that SPM erases or writes.
+constexpr std::uint32_t kPageBytes = 256;
+
+}  // namespace
+
+Processor::Processor(avr_t* the_avr)
+    : avr(the_avr),
+      ram_begin(the_avr->ioend + 1U),
+      ram_bytes(the_avr->ramend + 1U - ram_begin),
+      flash_bytes(the_avr->flashend + 1U),
+      code(flash_bytes / 2 + 3, Operation{&decodeFirst}) {}
+
+void Processor::showFlags() const {
+  std::uint8_t* const sreg = avr->sreg;
+  const bool is_negative = (negative & kNegative) != 0;
+  const bool is_overflow = (overflow & kOverflow) != 0;
+  const bool is_other = (overflow & kOtherSign) != 0;
+  sreg[S_C] = (carries & kCarry) != 0;
+  sreg[S_Z] = zero == 0;
+  sreg[S_N] = is_negative;
+  sreg[S_V] = is_overflow;
+  sreg[S_S] = (is_negative != is_overflow) != is_other;
+  sreg[S_H] = (carries & kHalfCarry) != 0;
+}
+
+void Processor::takeFlags() {
+  const std::uint8_t* const sreg = avr->sreg;
+  const bool is_other = sreg[S_S] != (sreg[S_N] ^ sreg[S_V]);
+  carries = (sreg[S_C] != 0 ? kCarry : 0) | (sreg[S_H] != 0 ? kHalfCarry : 0);
+  zero = sreg[S_Z] != 0 ? 0 : 1;
+  negative = sreg[S_N] != 0 ? kNegative : 0;
+  overflow = (sreg[S_V] != 0 ? kOverflow : 0) | (is_other ? kOtherSign : 0);
+}
+
+void Processor::show(const Operation* at, Cycle now) const {
+  avr->pc = pcOf(at);
+  avr->cycle = now;
+  showFlags();
+}
+
+std::uint8_t Processor::sreg() const {
+  showFlags();
+  unsigned value = 0;
+  for (unsigned bit = 0; bit < 8; ++bit) value |= std::uint32_t{avr->sreg[bit]} << bit;
+  return static_cast<std::uint8_t>(value);
+}
+
+void Processor::setSreg(std::uint8_t value) {
+  for (unsigned bit = 0; bit < S_I; ++bit) avr->sreg[bit] = value >> bit & 1U;
+  takeFlags();
+  setInterrupts((value >> S_I & 1U) != 0);
+}
+
+void Processor::setInterrupts(bool enabled) {
+  avr_sreg_set(avr, S_I, enabled ? 1 : 0);
+  watch();
+}
+
+std::uint8_t Processor::readRegister(const Operation* at, Cycle now, std::uint32_t address) {
+  std::uint8_t* const data = avr->data;
+  if (address == R_SREG) return data[R_SREG] = sreg();
+  if (!isReadWatched(address)) return data[address];
+  const auto& io = avr->io[AVR_DATA_TO_IO(address)];
+  show(at, now);
+  avr->run_cycle_count = 1;
+  if (io.r.c != nullptr) data[address] = io.r.c(avr, static_cast<avr_io_addr_t>(address), io.r.param);
+  if (io.irq != nullptr) tellListeners(io.irq, data[address]);
+  watch();
+  return data[address];
+}
+
+void Processor::writeRegister(const Operation* at, Cycle now, std::uint32_t address, std::uint8_t value) {
+  std::uint8_t* const data = avr->data;
+  if (address == R_SREG) {
+    setSreg(value);
+    data[R_SREG] = value;
+    return;
+  }
+  if (!isWriteWatched(address)) {
+    data[address] = value;
+    return;
+  }
+  const auto& io = avr->io[AVR_DATA_TO_IO(address)];
+  show(at, now);
+  avr->run_cycle_count = 1;
+  if (io.w.c != nullptr) {
+    io.w.c(avr, static_cast<avr_io_addr_t>(address), value, io.w.param);
+  } else {
+    data[address] = value;
+  }
+  if (io.irq != nullptr) tellListeners(io.irq, value);
+  watch();
+}
+
+void Processor::tellListeners(avr_irq_t* irq, std::uint8_t value) const {
+  avr_raise_irq(irq + AVR_IOMEM_IRQ_ALL, value);
+  for (unsigned bit = 0; bit < 8; ++bit) avr_raise_irq(irq + bit, value >> bit & 1U);
+}
+
+void Processor::watch() {
+  const auto* const timer = avr->cycle_timers.timer;
+  horizon = timer == nullptr ? limit : std::min<Cycle>(limit, timer->when);
+  const bool is_asked = avr->interrupt_state != 0 || avr->run_cycle_count == 0;
+  attention = is_asked ? 0 : horizon;
+}
+
+void Processor::leaveFlash(std::uint32_t word, Cycle now) const {
+  show(code.data(), now);
+  avr->pc = 2 * word;
+}
+
+void Processor::forgetCode(std::uint32_t pc, std::uint32_t bytes) {
+  const std::uint32_t first = pc / 2 == 0 ? 0 : pc / 2 - 1;  // Its second word, or what it skips, may be new.
+  const std::uint32_t end = std::min(flash_bytes, pc + bytes) / 2;
+  for (std::uint32_t word = first; word < end; ++word) code[word].execute = &decodeFirst;
+}
+
+void attend(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
+  const auto state = p.avr->interrupt_state;
+  if (now >= p.horizon || p.avr->run_cycle_count == 0 || state > 0) return p.show(at, now);
+  if (state < 0) avr_service_interrupts(p.avr);  // Counts instructions after SEI, and enters nothing.
+  p.watch();
+  KERFBENCH_TAIL return at->execute(p, at, now, data);
+}
+
+void elsewhere(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
+  p.show(at, now);
+  avr_t* const avr = p.avr;
+  avr->run_cycle_count = 1;
+  const std::uint32_t z = data[R_ZL] | std::uint32_t{data[R_ZH]} << 8U |
+                          (avr->rampz != 0 ? std::uint32_t{data[avr->rampz]} << 16U : 0U);
+  const bool is_inside = avr->pc < p.flash_bytes;
+  const std::uint32_t code = is_inside ? p.wordAt(avr->pc) : 0;
+  avr->pc = avr_run_one(avr);
+  p.takeFlags();
+  if (code == kSpm || code == kSpmPostIncrement) p.forgetCode(z & ~(kPageBytes - 1), kPageBytes);
+}
+
+}  // namespace kerfbench::avr_child
