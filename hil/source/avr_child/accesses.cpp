@@ -48,8 +48,8 @@ void storeElsewhere(Processor& p, Operation* at, Cycle now, std::uint8_t* data) 
   const std::uint32_t address = addressFor<kStep>(at, pairIn(data, kPointer));
   if (!p.isRegister(address)) KERFBENCH_TAIL return elsewhere(p, at, now, data);
   const std::uint8_t value = data[at->d];
-  setPointer<kPointer, kStep>(data, address);
   p.writeRegister(at, now, address, value);
+  setPointer<kPointer, kStep>(data, address);
   KERFBENCH_TAIL return next(p, at, now + 2, data);
 }
 

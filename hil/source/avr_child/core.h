@@ -5,6 +5,10 @@
 
 namespace kerfbench::avr_child {
 
+/// Gives a controller of simavr memories as large as its addresses reach, with zeros where it has none:
+/// simavr reads and writes wherever a firmware wants to.
+void boundMemories(avr_t& avr);
+
 /// Carries out instructions in place of simavr's avr_run_one(), on simavr's controller: its memories,
 /// registers and callbacks, interrupts and timers.
 ///
@@ -20,6 +24,8 @@ class Core {
   /// Ends as well after an instruction that is left to simavr, that ends with an interrupt waiting, or in
   /// which a callback has set avr_t::run_cycle_count to 0. avr_t::run_cycle_limit must be 1.
   void run(Cycle limit);
+  /// The flash has changed behind the core's back.
+  void forgetCode(std::uint32_t pc, std::uint32_t bytes) { p_.forgetCode(pc, bytes); }
 
  private:
   Processor p_;

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -58,12 +57,7 @@ Machine::Machine(const emulator::OpenRequest& options)
   avr_->frequency = static_cast<std::uint32_t>(options.clock_hz);
   avr_->gdb_port = 0;  // else a bad write opens a debugger's port to the world and waits for ever
   avr_->log = LOG_WARNING;
-  // simavr reports a store beyond the RAM and then carries it out: keep it inside an allocation.
-  constexpr std::size_t kAddressSpace = 0x10000 + 2;
-  auto* data = static_cast<std::uint8_t*>(std::realloc(avr_->data, kAddressSpace));
-  if (data == nullptr) throw std::bad_alloc();
-  std::memset(data + avr_->ramend + 1, 0, kAddressSpace - avr_->ramend - 1);
-  avr_->data = data;
+  boundMemories(*avr_);
   load(image);
   pins_ = std::make_unique<Pins>(avr_, static_cast<std::size_t>(options.max_events));
   hookTimers();
@@ -252,11 +246,10 @@ emulator::Clock Machine::clock() const {
 }
 
 std::string Machine::configuration() const {
-  return "simavr 1.6, own stepping; shims: zero-TOP CTC, kept and exact TCNT, late-enabled interrupts, ICR "
-         "as TOP, "
+  return "simavr 1.6, own instructions and stepping; shims: zero-TOP CTC, kept and exact TCNT, late-enabled "
+         "interrupts, ICR as TOP, "
          "compare outputs apart from PORT, buffered fast PWM, single-bit SBI on PIN, external input levels, "
-         "10-bit UART, interrupt entry and wake-up cycles, no strict level interrupts; run_cycle_limit "
-         "16000; mcu " +
+         "10-bit UART, interrupt entry and wake-up cycles, no strict level interrupts; mcu " +
          options_.mcu + " at " + std::to_string(options_.clock_hz) + " Hz, " + std::to_string(options_.baud) +
          " baud";
 }

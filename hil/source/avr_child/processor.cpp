@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kCarry = 1U << 8U, kHalfCarry = 1U << 4U, kNegative = 1U << 7U;
 constexpr std::uint32_t kOverflow = 1U << 8U, kOtherSign = 1U << 16U;
 constexpr std::uint32_t kSpm = 0x95E8, kSpmPostIncrement = 0x95F8;
-/// The largest page that SPM erases or writes.
+/// The largest page that SPM erases or writes. simavr erases from Z on, wherever that is in a page.
 constexpr std::uint32_t kPageBytes = 256;
 
 }  // namespace
@@ -123,7 +123,8 @@ void Processor::leaveFlash(std::uint32_t word, Cycle now) const {
 }
 
 void Processor::forgetCode(std::uint32_t pc, std::uint32_t bytes) {
-  const std::uint32_t first = pc / 2 == 0 ? 0 : pc / 2 - 1;  // Its second word, or what it skips, may be new.
+  const std::uint32_t first =
+      pc / 2 == 0 ? 0 : pc / 2 - 1;  // The second word of an instruction, or what it skips.
   const std::uint32_t end = std::min(flash_bytes, pc + bytes) / 2;
   for (std::uint32_t word = first; word < end; ++word) code[word].execute = &decodeFirst;
 }
@@ -146,7 +147,7 @@ void elsewhere(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
   const std::uint32_t code = is_inside ? p.wordAt(avr->pc) : 0;
   avr->pc = avr_run_one(avr);
   p.takeFlags();
-  if (code == kSpm || code == kSpmPostIncrement) p.forgetCode(z & ~(kPageBytes - 1), kPageBytes);
+  if (code == kSpm || code == kSpmPostIncrement) p.forgetCode(z & ~(kPageBytes - 1), 2 * kPageBytes);
 }
 
 }  // namespace kerfbench::avr_child

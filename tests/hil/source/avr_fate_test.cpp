@@ -110,7 +110,7 @@ TEST(AvrImage, SourceSaysWhatARerunNeeds) {
   EXPECT_TRUE(info.deterministic);
   EXPECT_TRUE(info.accepts_input);
   EXPECT_THAT(info.config_id, AllOf(HasSubstr("simavr"), HasSubstr("atmega2560"),
-                                    HasSubstr("run_cycle_limit"), HasSubstr("sha256")));
+                                    HasSubstr("own instructions"), HasSubstr("sha256")));
 }
 
 }  // namespace
