@@ -12,6 +12,7 @@
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace kerfbench::avr_child {
 namespace {
@@ -127,11 +128,17 @@ void Machine::hookUart() {
   avr_irq_register_notify(uart_->io.irq + UART_IRQ_OUT_XOFF, onUartXoff, this);
   for (const unsigned addr : {unsigned{uart_->ubrrl.reg}, unsigned{uart_->ubrrh.reg},
                               unsigned{uart_->r_ucsra}, unsigned{uart_->r_ucsrb}, unsigned{uart_->r_ucsrc}}) {
-    if (addr == 0) continue;
-    avr_irq_register_notify(
-        avr_iomem_getirq(avr_, static_cast<avr_io_addr_t>(addr), nullptr, AVR_IOMEM_IRQ_ALL), onUartSetup,
-        this);
+    if (addr != 0) hookUartSetup(addr);
   }
+}
+
+void Machine::hookUartSetup(unsigned addr) {
+  auto watched = std::make_unique<Register>();
+  auto& writer = avr_->io[AVR_DATA_TO_IO(addr)].w;
+  watched->owner = this;
+  watched->write = std::exchange(writer.c, onUartSetup);
+  watched->write_param = std::exchange(writer.param, static_cast<void*>(watched.get()));
+  registers_.push_back(std::move(watched));
 }
 
 void Machine::afterReset() {
@@ -145,14 +152,18 @@ void Machine::afterReset() {
   asleep_ = false;
 }
 
-void Machine::onRegisterWrite(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* param) {
-  const auto& watched = *static_cast<const Register*>(param);
-  for (auto* timer : watched.timers) timer->beforeWrite(addr);
-  if (watched.write != nullptr) {
-    watched.write(avr, addr, value, watched.write_param);
+void Machine::Register::writeOn(avr_t* avr, avr_io_addr_t addr, std::uint8_t value) const {
+  if (write != nullptr) {
+    write(avr, addr, value, write_param);
   } else {
     avr_core_watch_write(avr, addr, value);
   }
+}
+
+void Machine::onRegisterWrite(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* param) {
+  const auto& watched = *static_cast<const Register*>(param);
+  for (auto* timer : watched.timers) timer->beforeWrite(addr);
+  watched.writeOn(avr, addr, value);
   for (auto* timer : watched.timers) timer->afterWrite(addr);
 }
 
@@ -180,8 +191,10 @@ void Machine::onUartXoff(avr_irq_t* /*irq*/, std::uint32_t value, void* param) {
   if (value != 0) static_cast<Machine*>(param)->xoff_ = true;
 }
 
-void Machine::onUartSetup(avr_irq_t* /*irq*/, std::uint32_t /*value*/, void* param) {
-  static_cast<Machine*>(param)->setByteTime();
+void Machine::onUartSetup(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* param) {
+  const auto& watched = *static_cast<const Register*>(param);
+  watched.writeOn(avr, addr, value);
+  watched.owner->setByteTime();
 }
 
 unsigned Machine::cyclesPerBit() const {

@@ -56,8 +56,11 @@ class Machine : public emulator::Emulator {
     std::uint64_t done_at{};
     std::uint8_t byte{};
   };
-  /// A register of timers whose writes are watched.
+  /// A register of timers, or of the UART, whose writes are watched.
   struct Register {
+    /// Writes as simavr does.
+    void writeOn(avr_t* avr, avr_io_addr_t addr, std::uint8_t value) const;
+    Machine* owner{};
     avr_io_write_t write{};
     void* write_param{};
     avr_io_read_t read{};
@@ -70,12 +73,13 @@ class Machine : public emulator::Emulator {
   static void onUartOut(avr_irq_t* irq, std::uint32_t value, void* param);
   static void onUartXon(avr_irq_t* irq, std::uint32_t value, void* param);
   static void onUartXoff(avr_irq_t* irq, std::uint32_t value, void* param);
-  static void onUartSetup(avr_irq_t* irq, std::uint32_t value, void* param);
+  static void onUartSetup(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* param);
   static void onLog(avr_t* avr, int level, const char* format, va_list arguments);
 
   void load(const Image& image);
   void hookTimers();
   void hookUart();
+  void hookUartSetup(unsigned addr);
   void afterReset();
   void setByteTime();
   [[nodiscard]] unsigned cyclesPerBit() const;

@@ -20,11 +20,15 @@ Pins::Pins(avr_t* avr, std::size_t max_events) : avr_(avr), max_events_(max_even
     port->index = static_cast<std::uint16_t>(index);
     avr_irq_register_notify(io->irq + IOPORT_IRQ_REG_PORT, onPort, port.get());
     avr_irq_register_notify(io->irq + IOPORT_IRQ_DIRECTION_ALL, onDirection, port.get());
-    auto& writer = avr->io[AVR_DATA_TO_IO(ioport->r_pin)].w;
-    port->write_pin = std::exchange(writer.c, onPinWrite);
-    port->write_pin_param = std::exchange(writer.param, static_cast<void*>(port.get()));
+    port->write_pin = takeOver(ioport->r_pin, onPinWrite, *port);
+    port->write_port = takeOver(ioport->r_port, onPortWrite, *port);
     ports_[static_cast<std::size_t>(index)] = std::move(port);
   }
+}
+
+Pins::Writer Pins::takeOver(avr_io_addr_t addr, avr_io_write_t handler, Port& port) {
+  auto& writer = avr_->io[AVR_DATA_TO_IO(addr)].w;
+  return {std::exchange(writer.c, handler), std::exchange(writer.param, static_cast<void*>(&port))};
 }
 
 void Pins::onPort(avr_irq_t* /*irq*/, std::uint32_t value, void* param) {
@@ -45,7 +49,13 @@ void Pins::onPinWrite(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* 
   const auto& port = *static_cast<const Port*>(param);
   const unsigned opcode = avr->flash[avr->pc] | static_cast<unsigned>(avr->flash[avr->pc + 1] << 8);
   if ((opcode & 0xFF00U) == 0x9A00U) value = static_cast<std::uint8_t>(1U << (opcode & 7U));
-  port.write_pin(avr, addr, value, port.write_pin_param);
+  port.write_pin.call(avr, addr, value, port.write_pin.param);
+}
+
+// simavr tells all of a port's pins to their listeners, whom none wants to hear twice.
+void Pins::onPortWrite(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* param) {
+  const auto& port = *static_cast<const Port*>(param);
+  if (avr->data[addr] != value) port.write_port.call(avr, addr, value, port.write_port.param);
 }
 
 int Pins::portOf(avr_io_addr_t port_register) const {
@@ -121,13 +131,7 @@ void Pins::drive(std::uint16_t port_index, std::uint16_t bit, bool level) {
 }
 
 // Without the external levels, the next write to the port would pull the input up again.
-void Pins::applyExternal(Port& port) {
-  avr_ioport_external_t external{};
-  external.name = static_cast<unsigned char>(port.io->name & 0x7F);
-  external.mask = port.driven_mask;
-  external.value = port.driven_level;
-  avr_ioctl(avr_, static_cast<std::uint32_t>(AVR_IOCTL_IOPORT_SET_EXTERNAL(port.io->name)), &external);
-}
+void Pins::applyExternal(const Port& port) { port.io->external = {port.driven_mask, port.driven_level}; }
 
 void Pins::redrive() {
   for (const auto& port : ports_) {

@@ -47,6 +47,11 @@ class Pins {
   std::vector<PinEvent> take();
 
  private:
+  /// A handler of simavr's own.
+  struct Writer {
+    avr_io_write_t call{};
+    void* param{};
+  };
   struct Port {
     Pins* owner{};
     avr_ioport_t* io{};
@@ -58,14 +63,16 @@ class Pins {
     std::uint8_t level{};
     std::uint8_t driven_mask{};
     std::uint8_t driven_level{};
-    avr_io_write_t write_pin{};  // simavr's own handler of the PIN register
-    void* write_pin_param{};
+    Writer write_pin{};   // of the PIN register
+    Writer write_port{};  // of the PORT register
   };
   static void onPort(avr_irq_t* irq, std::uint32_t value, void* param);
   static void onDirection(avr_irq_t* irq, std::uint32_t value, void* param);
   static void onPinWrite(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* param);
+  static void onPortWrite(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* param);
+  Writer takeOver(avr_io_addr_t addr, avr_io_write_t handler, Port& port);
   void update(Port& port);
-  void applyExternal(Port& port);
+  static void applyExternal(const Port& port);
 
   static constexpr std::size_t kPorts = 26;
   avr_t* avr_;
