@@ -52,7 +52,7 @@ void doNothing(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
 }
 
 void resetWatchdog(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
-  p.show(at, now);
+  p.place(at, now);
   avr_ioctl(p.avr, static_cast<std::uint32_t>(AVR_IOCTL_WATCHDOG_RESET), nullptr);
   p.watch();
   KERFBENCH_TAIL return next(p, at, now + 1, data);

@@ -75,7 +75,7 @@ void leave(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
   for (unsigned i = 1; i <= kBytes<kSize>; ++i) word = word << 8U | data[sp + i];
   setStackPointer(data, sp + kBytes<kSize>);
   if constexpr (kFromInterrupt) {
-    p.show(at, now);
+    p.place(at, now);
     avr_interrupt_reti(p.avr);
     p.setInterrupts(true);
   }

@@ -52,10 +52,20 @@ void Pins::onPinWrite(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* 
   port.write_pin.call(avr, addr, value, port.write_pin.param);
 }
 
-// simavr tells all of a port's pins to their listeners, whom none wants to hear twice.
+// simavr tells all of a port's pins to their listeners. Here only those that change are told, which is the
+// same as long as no input's pull-up is switched.
 void Pins::onPortWrite(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* param) {
   const auto& port = *static_cast<const Port*>(param);
-  if (avr->data[addr] != value) port.write_port.call(avr, addr, value, port.write_port.param);
+  const unsigned changed = avr->data[addr] ^ unsigned { value };
+  if ((changed & ~unsigned{avr->data[port.io->r_ddr]}) != 0)
+    return port.write_port.call(avr, addr, value, port.write_port.param);
+  avr->data[addr] = value;
+  if (changed == 0) return;
+  avr_irq_t* const irq = port.io->io.irq;
+  avr_raise_irq(irq + IOPORT_IRQ_REG_PORT, value);
+  for (unsigned bit = 0; bit < 8; ++bit) {
+    if ((changed >> bit & 1U) != 0) avr_raise_irq(irq + bit, unsigned{value} >> bit & 1U);
+  }
 }
 
 int Pins::portOf(avr_io_addr_t port_register) const {

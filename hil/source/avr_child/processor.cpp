@@ -8,8 +8,6 @@
 namespace kerfbench::avr_child {
 namespace {
 
-constexpr std::uint32_t kCarry = 1U << 8U, kHalfCarry = 1U << 4U, kNegative = 1U << 7U;
-constexpr std::uint32_t kOverflow = 1U << 8U, kOtherSign = 1U << 16U;
 constexpr std::uint32_t kSpm = 0x95E8, kSpmPostIncrement = 0x95F8;
 /// The largest page that SPM erases or writes. simavr erases from Z on, wherever that is in a page.
 constexpr std::uint32_t kPageBytes = 256;
@@ -23,45 +21,48 @@ Processor::Processor(avr_t* the_avr)
       flash_bytes(the_avr->flashend + 1U),
       code(flash_bytes / 2 + 3, Operation{&decodeFirst}) {}
 
-void Processor::showFlags() const {
-  std::uint8_t* const sreg = avr->sreg;
-  const bool is_negative = (negative & kNegative) != 0;
-  const bool is_overflow = (overflow & kOverflow) != 0;
-  const bool is_other = (overflow & kOtherSign) != 0;
-  sreg[S_C] = (carries & kCarry) != 0;
-  sreg[S_Z] = zero == 0;
-  sreg[S_N] = is_negative;
-  sreg[S_V] = is_overflow;
-  sreg[S_S] = (is_negative != is_overflow) != is_other;
-  sreg[S_H] = (carries & kHalfCarry) != 0;
-}
-
-void Processor::takeFlags() {
-  const std::uint8_t* const sreg = avr->sreg;
-  const bool is_other = sreg[S_S] != (sreg[S_N] ^ sreg[S_V]);
-  carries = (sreg[S_C] != 0 ? kCarry : 0) | (sreg[S_H] != 0 ? kHalfCarry : 0);
-  zero = sreg[S_Z] != 0 ? 0 : 1;
-  negative = sreg[S_N] != 0 ? kNegative : 0;
-  overflow = (sreg[S_V] != 0 ? kOverflow : 0) | (is_other ? kOtherSign : 0);
-}
-
-void Processor::show(const Operation* at, Cycle now) const {
-  avr->pc = pcOf(at);
-  avr->cycle = now;
-  showFlags();
-}
-
 std::uint8_t Processor::sreg() const {
-  showFlags();
-  unsigned value = 0;
-  for (unsigned bit = 0; bit < 8; ++bit) value |= std::uint32_t{avr->sreg[bit]} << bit;
-  return static_cast<std::uint8_t>(value);
+  const std::uint32_t c = carries >> 8U & 1U;
+  const std::uint32_t h = carries >> 4U & 1U;
+  const std::uint32_t n = negative >> 7U & 1U;
+  const std::uint32_t v = overflow >> 8U & 1U;
+  const std::uint32_t s = n ^ v ^ (overflow >> 16U & 1U);
+  const std::uint32_t z = zero == 0 ? 1 : 0;
+  const std::uint32_t flags = c << S_C | z << S_Z | n << S_N | v << S_V | s << S_S | h << S_H;
+  return static_cast<std::uint8_t>(flags | std::uint32_t{avr->sreg[S_T]} << S_T |
+                                   std::uint32_t{avr->sreg[S_I]} << S_I);
 }
 
 void Processor::setSreg(std::uint8_t value) {
-  for (unsigned bit = 0; bit < S_I; ++bit) avr->sreg[bit] = value >> bit & 1U;
-  takeFlags();
-  setInterrupts((value >> S_I & 1U) != 0);
+  const std::uint32_t flags = value;
+  carries = (flags >> S_C & 1U) << 8U | (flags >> S_H & 1U) << 4U;
+  negative = (flags >> S_N & 1U) << 7U;
+  overflow = (flags >> S_V & 1U) << 8U | ((flags >> S_S ^ flags >> S_N ^ flags >> S_V) & 1U) << 16U;
+  zero = (flags >> S_Z & 1U) ^ 1U;
+  avr->sreg[S_T] = flags >> S_T & 1U;
+  const bool enables = (flags >> S_I & 1U) != 0;
+  if (enables != (avr->sreg[S_I] != 0)) setInterrupts(enables);
+}
+
+void Processor::showFlags() const {
+  const std::uint32_t flags = sreg();
+  for (unsigned bit = 0; bit < S_T; ++bit) avr->sreg[bit] = flags >> bit & 1U;
+}
+
+void Processor::takeFlags() {
+  std::uint32_t flags = 0;
+  for (unsigned bit = 0; bit < 8; ++bit) flags |= std::uint32_t{avr->sreg[bit]} << bit;
+  setSreg(static_cast<std::uint8_t>(flags));
+}
+
+void Processor::place(const Operation* at, Cycle now) const {
+  avr->pc = pcOf(at);
+  avr->cycle = now;
+}
+
+void Processor::show(const Operation* at, Cycle now) const {
+  place(at, now);
+  showFlags();
 }
 
 void Processor::setInterrupts(bool enabled) {
@@ -74,7 +75,7 @@ std::uint8_t Processor::readRegister(const Operation* at, Cycle now, std::uint32
   if (address == R_SREG) return data[R_SREG] = sreg();
   if (!isReadWatched(address)) return data[address];
   const auto& io = avr->io[AVR_DATA_TO_IO(address)];
-  show(at, now);
+  place(at, now);
   avr->run_cycle_count = 1;
   if (io.r.c != nullptr) data[address] = io.r.c(avr, static_cast<avr_io_addr_t>(address), io.r.param);
   if (io.irq != nullptr) tellListeners(io.irq, data[address]);
@@ -94,7 +95,7 @@ void Processor::writeRegister(const Operation* at, Cycle now, std::uint32_t addr
     return;
   }
   const auto& io = avr->io[AVR_DATA_TO_IO(address)];
-  show(at, now);
+  place(at, now);
   avr->run_cycle_count = 1;
   if (io.w.c != nullptr) {
     io.w.c(avr, static_cast<avr_io_addr_t>(address), value, io.w.param);

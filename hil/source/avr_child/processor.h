@@ -29,9 +29,9 @@ static_assert(sizeof(Operation) == 16);
 
 /// What instructions work on: simavr's memories, and the flags of SREG in the form in which they cost least.
 ///
-/// While instructions are carried out, avr_t::pc, avr_t::cycle and the flags H to C of avr_t::sreg are those
-/// of an earlier instruction; show() makes them true, and is called before anything of simavr is. I and T are
-/// always true.
+/// While instructions are carried out, avr_t::pc and avr_t::cycle are those of an earlier instruction, and so
+/// are the flags H to C of avr_t::sreg, of which none of simavr's callbacks asks. place() makes the first two
+/// true, show() all of them. I and T are always true.
 struct Processor {
   explicit Processor(avr_t* the_avr);
 
@@ -68,9 +68,10 @@ struct Processor {
   /// The flags of simavr, from ours and back.
   void showFlags() const;
   void takeFlags();
-  /// Makes all of simavr's state that before the operation.
+  /// Makes address and cycle of simavr those of the operation; the flags as well.
+  void place(const Operation* at, Cycle now) const;
   void show(const Operation* at, Cycle now) const;
-  /// SREG as a byte, and its bits one by one as an instruction sets them.
+  /// SREG as a byte.
   [[nodiscard]] std::uint8_t sreg() const;
   void setSreg(std::uint8_t value);
   void setInterrupts(bool enabled);

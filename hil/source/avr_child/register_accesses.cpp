@@ -34,6 +34,17 @@ void writeIo(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
   KERFBENCH_TAIL return begin(p, at + kWords, now + kCycles, data);
 }
 
+void readSreg(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
+  data[at->d] = data[R_SREG] = p.sreg();
+  KERFBENCH_TAIL return next(p, at, now + 1, data);
+}
+
+void writeSreg(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
+  data[R_SREG] = data[at->d];
+  p.setSreg(data[at->d]);
+  KERFBENCH_TAIL return next(p, at, now + 1, data);
+}
+
 /// SBI and CBI, which read the register and write it back.
 template <bool kSets>
 void changeBit(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
@@ -61,11 +72,11 @@ void storeRam(Processor& p, Operation* at, Cycle now, std::uint8_t* data) {
   KERFBENCH_TAIL return begin(p, at + 2, now + 2, data);
 }
 
-template <Handler kHandler>
+template <Handler kHandler, Handler kOfSreg>
 bool buildIo(const Encoding& e, Operation& op) {
-  op.execute = kHandler;
-  op.d = e.reg('d');
   op.number = static_cast<std::uint16_t>(kFirstIo + e['A']);
+  op.execute = op.number == R_SREG ? kOfSreg : kHandler;
+  op.d = e.reg('d');
   return true;
 }
 
@@ -88,8 +99,8 @@ bool buildDirect(const Encoding& e, Operation& op) {
 }
 
 constexpr EncodingRow kRows[] = {
-    {"1011 0AAd dddd AAAA", buildIo<&readIo<1, 1>>},
-    {"1011 1AAd dddd AAAA", buildIo<&writeIo<1, 1>>},
+    {"1011 0AAd dddd AAAA", buildIo<&readIo<1, 1>, &readSreg>},
+    {"1011 1AAd dddd AAAA", buildIo<&writeIo<1, 1>, &writeSreg>},
     {"1001 1010 AAAA Abbb", buildIoBit<&changeBit<true>>},
     {"1001 1000 AAAA Abbb", buildIoBit<&changeBit<false>>},
     {"1001 1001 AAAA Abbb", buildIoBit<&skipOnIo<false>>},
