@@ -2,7 +2,8 @@
 // Speed of the emulators as the bench runs them, each behind its pipe in quanta of half a millisecond: how
 // many times as fast as the silicon, by the wall's clock and by the time that the processors spend on both
 // sides of the pipe, which does not depend on what else they do. Rows "ahead" are jobs in which no input
-// depends on an output (`dialog: none`, no sensor wired), rows "in_turns" all others.
+// depends on an output (`dialog: none`, no sensor wired), rows "in_turns" all others. Beside the AVR's stands
+// simavr by itself, without a pipe, as it comes and tuned.
 #include <benchmark/benchmark.h>
 #include <time.h>
 
@@ -14,6 +15,7 @@
 
 #include "hil/base/one_processor.h"
 #include "hil/source/open.h"
+#include "tests/benchmarks/simavr_runner.h"
 #include "tests/hil/source/mcs51/oracle.h"
 #include "tests/hil/source/mcs51/program.h"
 
@@ -116,12 +118,21 @@ void add(const char* name, const Subject& subject) {
   }
 }
 
+void addSimavr(const char* name, const SimavrRun& subject) {
+  benchmark::RegisterBenchmark(name, [subject](benchmark::State& state) { runSimavr(state, subject); })
+      ->UseRealTime()
+      ->Unit(benchmark::kMillisecond);
+}
+
 void addAll() {
   const fs::path firmware = kBuild / "firmware";
   const fs::path images = kBuild / "tests/hil/source/cortex_m/firmware";
   const fs::path pulses = pulsesOf8051();
   add("avr_controller_idle",
       {"kerfbench-avr", firmware / "controller-avr.hex", "atmega2560", 16'000'000, 250'000});
+  for (const bool is_tuned : {false, true})
+    addSimavr(is_tuned ? "avr_controller_idle/simavr_alone_tuned" : "avr_controller_idle/simavr_alone",
+              {firmware / "controller-avr.hex", "atmega2560", 16'000'000, is_tuned});
   add("8051_12_clocks_pulses", {"kerfbench-mcs51", pulses, "at89s52", 12'000'000, 9600});
   add("8051_1_clock_pulses", {"kerfbench-mcs51", pulses, "stc15f2k60s2", 24'000'000, 125'000});
   add("8051_controller_idle",

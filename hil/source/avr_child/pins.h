@@ -63,8 +63,8 @@ class Pins {
     std::uint8_t level{};
     std::uint8_t driven_mask{};
     std::uint8_t driven_level{};
-    Writer write_pin{};   // of the PIN register
-    Writer write_port{};  // of the PORT register
+    Writer write_pin{};   // The PIN register's.
+    Writer write_port{};  // The PORT register's.
   };
   static void onPort(avr_irq_t* irq, std::uint32_t value, void* param);
   static void onDirection(avr_irq_t* irq, std::uint32_t value, void* param);
