@@ -149,6 +149,18 @@ void surround(Bench& bench) {
   driveInput(bench, 'L', 2, 1);
 }
 
+/// Runs as avr_run() does, with instructions of the bench's own core: these, what is due, interrupts.
+void advance(Bench& bench, std::uint64_t cycle) {
+  avr_t* const avr = bench.avr;
+  if (avr->state != cpu_Running) {
+    avr_run(avr);
+    return;
+  }
+  bench.core->run(cycle);
+  avr_cycle_timer_process(avr);
+  if (avr->interrupt_state != 0) avr_service_interrupts(avr);
+}
+
 int failed = 0;
 
 }  // namespace
@@ -195,9 +207,11 @@ void load(Bench& bench, const char* image) {
     avr_irq_register_notify(irq + AVR_INT_IRQ_RUNNING, onRunning, &watched[i]);
   }
   surround(bench);
+  bench.core = std::make_unique<avr_child::Core>(avr);
 }
 
 void unload(Bench& bench) {
+  bench.core.reset();
   avr_terminate(bench.avr);
   bench.avr = nullptr;
 }
@@ -212,8 +226,8 @@ void raiseMarkAt(Bench& bench, std::uint64_t cycle) {
 
 void runTo(Bench& bench, std::uint64_t cycle) {
   while (bench.avr->cycle < cycle) {
-    const int state = avr_run(bench.avr);
-    if (state == cpu_Crashed || state == cpu_Done) {
+    advance(bench, cycle);
+    if (bench.avr->state == cpu_Crashed || bench.avr->state == cpu_Done) {
       std::printf("crashed at pc %x\n", bench.avr->pc);
       std::exit(1);
     }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/program/link.h"
+#include "hil/source/avr_child/core.h"
 #include "no_field.h"
 
 namespace kerfbench::avr_bench {
@@ -39,6 +41,7 @@ struct Vector {
 
 struct Bench {
   avr_t* avr{};
+  std::unique_ptr<avr_child::Core> core;
   std::array<Axis, KB_AXES> axes{{{'A', 0, 1}, {'A', 2, 3}, {'A', 4, 5}, {'A', 6, 7}, {'C', 0, 1}}};
   std::array<Vector, 5> vectors{{{17, "tick (TIMER1_COMPA)"},
                                  {3, "encoder (INT2)"},
