@@ -11,6 +11,12 @@
 #include <sstream>
 #include <stdexcept>
 
+#ifdef KERFBENCH_SANITIZED
+// simavr frees little of what it takes.
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the name that the sanitizer gives it.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libsimavr\n"; }
+#endif
+
 namespace kerfbench::avr_child {
 namespace {
 
