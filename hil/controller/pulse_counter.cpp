@@ -32,21 +32,28 @@ std::string axisNameOf(Signal pul) {
   return name;
 }
 
+bool PulseCounter::Axis::take(const PinEvent& event) {
+  if (event.port == dir_pin.port) dir = (event.level >> dir_pin.bit & 1U) != 0;
+  if (enable_pin && event.port == enable_pin->port)
+    enabled = drive.enabledBy((event.level >> enable_pin->bit & 1U) != 0);
+  const bool changes = event.port == pul_pin.port && (event.changed >> pul_pin.bit & 1U) != 0;
+  const bool high = (event.level >> pul_pin.bit & 1U) != 0;
+  if (!changes || high != drive.active_edge_rising || !enabled) return false;
+  net += drive.senseOf(dir);
+  return true;
+}
+
+void PulseCounter::Axis::restart() {
+  dir = false;
+  enabled = !enable_pin || drive.enabledBy(false);
+  net = 0;
+}
+
 template <class Take>
-void PulseCounter::forEachPulse(const Axis& axis, Take take) const {
-  bool dir = false;
-  bool enabled = !axis.enable_pin || axis.drive.enabledBy(false);
-  Pulse pulse;
-  for (const PinEvent& event : outputs_.streamed()) {
-    if (event.port == axis.dir_pin.port) dir = (event.level >> axis.dir_pin.bit & 1U) != 0;
-    if (axis.enable_pin && event.port == axis.enable_pin->port)
-      enabled = axis.drive.enabledBy((event.level >> axis.enable_pin->bit & 1U) != 0);
-    const bool changes = event.port == axis.pul_pin.port && (event.changed >> axis.pul_pin.bit & 1U) != 0;
-    const bool high = (event.level >> axis.pul_pin.bit & 1U) != 0;
-    if (!changes || high != axis.drive.active_edge_rising || !enabled) continue;
-    pulse.tick = event.tick;
-    pulse.place += axis.drive.senseOf(dir);
-    if (!take(pulse)) return;
+void PulseCounter::forEachPulse(Axis axis, Take take) const {
+  axis.restart();
+  for (const PinEvent& event : outputs_) {
+    if (axis.take(event) && !take(event.tick, axis.net)) return;
   }
 }
 
@@ -58,15 +65,17 @@ PulseCounter::PulseCounter(const source::PinRecording& recording, const SignalMa
     const auto dir = map.pin(dirOf(signal));
     if (!pul || !dir) continue;
     const auto drive = std::ranges::find(drives, signal, &DriveOfPul::first);
-    Axis axis{signal, *pul, *dir, map.pin(enableOf(signal)),
-              drive == drives.end() ? DriverProfile{} : drive->second};
-    forEachPulse(axis, [&](const Pulse& pulse) {
-      axis.net = pulse.place;
-      last_pulse_s_ = std::max(last_pulse_s_, rate_.seconds(pulse.tick));
-      return true;
-    });
-    axes_.push_back(axis);
+    axes_.push_back({signal, *pul, *dir, map.pin(enableOf(signal)),
+                     drive == drives.end() ? DriverProfile{} : drive->second});
+    axes_.back().restart();
   }
+  std::optional<Tick> last;
+  for (const PinEvent& event : outputs_) {
+    for (Axis& axis : axes_) {
+      if (axis.take(event)) last = event.tick;
+    }
+  }
+  if (last) last_pulse_s_ = rate_.seconds(*last);
   belt_ = source::encoderEdges(recording.sensors, recording.rate);
   belt_wired_ = map.pin(Signal::kEncoderA) && map.pin(Signal::kEncoderB);
 }
@@ -99,9 +108,9 @@ double PulseCounter::pulse_s(Signal pul, long long count) const {
   const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
   double time_s = kNan;
   if (axis == axes_.end() || count < 1) return time_s;
-  forEachPulse(*axis, [&](const Pulse& pulse) {
+  forEachPulse(*axis, [&](Tick tick, long long /*place*/) {
     if (--count > 0) return true;
-    time_s = rate_.seconds(pulse.tick);
+    time_s = rate_.seconds(tick);
     return false;
   });
   return time_s;
@@ -111,9 +120,9 @@ double PulseCounter::leaves_s(Signal pul, long long low, long long high) const {
   const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
   double time_s = kNan;
   if (axis == axes_.end()) return time_s;
-  forEachPulse(*axis, [&](const Pulse& pulse) {
-    if (pulse.place >= low && pulse.place <= high) return true;
-    time_s = rate_.seconds(pulse.tick);
+  forEachPulse(*axis, [&](Tick tick, long long place) {
+    if (place >= low && place <= high) return true;
+    time_s = rate_.seconds(tick);
     return false;
   });
   return time_s;

@@ -56,23 +56,23 @@ class PulseCounter {
     PinId pul_pin, dir_pin;
     std::optional<PinId> enable_pin;
     DriverProfile drive;
-    long long net{};
+    bool dir{};
+    bool enabled{};
+    long long net{};  ///< Steps from the start.
+    /// Events by tick; true: this one brings an active edge of PUL, after which the axis is at `net`.
+    bool take(const PinEvent& event);
+    void restart();
   };
-  /// An active edge of a PUL.
-  struct Pulse {
-    Tick tick{};
-    long long place{};  ///< Steps from the start, after it.
-  };
-  /// Calls `take` with the pulses of an axis in order until it says false.
+  /// Calls `take` with tick and place of the pulses of an axis, in order, until it says false.
   template <class Take>
-  void forEachPulse(const Axis& axis, Take take) const;
+  void forEachPulse(Axis axis, Take take) const;
   [[nodiscard]] long long beltCountsAt(double time_s) const;
   /// Least and most counts of the belt while the controller can have sampled what it then reported.
   [[nodiscard]] std::pair<long long, long long> beltAround(const UartListener::BeltWord& word,
                                                            const UartTiming& uart) const;
 
   TickRate rate_;
-  base::SpilledVector<PinEvent> outputs_;  ///< A copy of the recording's, which shares its file.
+  source::PinEvents outputs_;  ///< A copy of the recording's, which shares its file.
   std::vector<Axis> axes_;
   base::SpilledVector<source::EncoderEdge> belt_;
   bool belt_wired_{};

@@ -45,17 +45,27 @@ std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& w
 std::optional<CountedSteps> CountedSteps::of(const source::PinRecording& recording, const PinWiring& wiring) {
   std::optional<CountedSteps> counted = from(recording.rate, wiring);
   if (!counted) return std::nullopt;
-  for (const PinEvent& event : recording.outputs.streamed()) counted->add({&event, 1}, event.tick);
+  for (const PinEvent& event : recording.outputs) counted->add({&event, 1}, event.tick);
   counted->end();
   return counted;
 }
 
 void CountedSteps::add(std::span<const PinEvent> events, Tick until) {
   for (const PinEvent& event : events) {
-    fillUpTo(periodOf(event.tick));
+    fillBefore(event.tick);
     for (std::size_t i = 0; i < 2; ++i) now_[i] += axes_[i].stepBy(event);
   }
-  fillUpTo(periodOf(until));
+  fillBefore(until);
+}
+
+/// Most events need no division: they come well before the period's end.
+void CountedSteps::fillBefore(Tick tick) {
+  if (tick < surely_within_) return;
+  const std::size_t period = periodOf(tick);
+  fillUpTo(period);
+  constexpr Tick kRounding = 2;
+  const Tick end = rate_.ticksAt(static_cast<double>(period + 1) * kRaster_s);
+  surely_within_ = end - std::min(end, kRounding);
 }
 
 std::size_t CountedSteps::periodOf(Tick tick) const {

@@ -56,12 +56,14 @@ class CountedSteps {
 
   [[nodiscard]] std::size_t indexAt(double time_s) const;
   [[nodiscard]] std::size_t periodOf(Tick tick) const;
+  void fillBefore(Tick tick);
   void fillUpTo(std::size_t period);
 
   TickRate rate_;
   std::array<Axis, 2> axes_;
   Steps now_{0, 0};
   base::SpilledVector<Steps> steps_;  ///< At the end of each raster period.
+  Tick surely_within_{};              ///< Ticks before this one belong to the period that follows steps_.
 };
 
 }  // namespace kerfbench::evidence

@@ -136,7 +136,7 @@ PinEvidence pinEvidence(const source::PinRecording& recording, const PinWiring& 
   SpanWatch gates;
   SpanWatch light;
   PortLevels ports;
-  for (const PinEvent& event : recording.outputs.streamed()) {
+  for (const PinEvent& event : recording.outputs) {
     ports.apply(event);
     const double time_s = recording.rate.seconds(event.tick);
     for (WatchedDrive& drive : drives) drive.take(event, time_s, ports);

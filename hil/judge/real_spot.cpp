@@ -153,7 +153,7 @@ camera::LightProfile profileOf(const source::PinRecording& pins, const evidence:
   std::vector<camera::LightProfile::Step> steps;
   std::optional<evidence::ActiveLine> gate = evidence::gateLine(wiring);
   std::optional<evidence::ActiveLine> pwm = evidence::pwmLine(wiring);
-  for (const PinEvent& event : pins.outputs.streamed()) {
+  for (const PinEvent& event : pins.outputs) {
     if (gate) gate->take(event);
     if (pwm) pwm->take(event);
     const bool is_on = (!gate || gate->isActive()) && (!pwm || pwm->isActive());

@@ -46,7 +46,7 @@ PinStatistics pinStatistics(const source::PinRecording& recording, const SignalM
   PinStatistics heard;
   std::optional<Tick> first;
   Tick last = 0;
-  for (const PinEvent& event : recording.outputs.streamed()) {
+  for (const PinEvent& event : recording.outputs) {
     // The levels at the start, and marks of gaps: no edges. (See capturePins().)
     if (event.changed == 0 || event.tick <= 1) continue;
     bool any = false;

@@ -12,7 +12,7 @@ namespace kerfbench::live {
 namespace {
 
 bool hasEdges(const source::PinRecording& recording, PinId pin) {
-  return std::ranges::any_of(recording.outputs.streamed(), [&](const PinEvent& event) {
+  return std::ranges::any_of(recording.outputs, [&](const PinEvent& event) {
     return event.tick > 0 && event.port == pin.port && (event.changed >> pin.bit & 1U) != 0;
   });
 }
@@ -32,7 +32,7 @@ source::ChannelNames namesOf(const scenario::Case& test_case) {
 
 /// Whether a pin is low until its first edge, and not only until the levels at the start are told.
 bool startsLow(const source::PinRecording& recording, PinId pin) {
-  for (const PinEvent& event : recording.outputs.streamed()) {
+  for (const PinEvent& event : recording.outputs) {
     if (event.tick > 1) break;
     if (event.port == pin.port && (event.level >> pin.bit & 1U) != 0) return false;
   }

@@ -9,10 +9,7 @@ namespace kerfbench::source {
 
 void spoilEnd(PinRecording& recording, std::uint16_t port) {
   if (recording.problems.empty()) return;
-  const auto last = std::find_if(recording.outputs.rbegin(), recording.outputs.rend(),
-                                 [&](const PinEvent& event) { return event.port == port; });
-  const std::uint16_t level = last == recording.outputs.rend() ? std::uint16_t{0} : last->level;
-  recording.outputs.push_back({recording.end, port, 0, level, PinEvent::kGap});
+  recording.outputs.push_back({recording.end, port, 0, recording.outputs.levelsOf(port), PinEvent::kGap});
 }
 
 std::string wrongAtStartWords(Signal signal, bool level, const StartLevels& wanted) {

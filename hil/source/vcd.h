@@ -11,6 +11,7 @@
 
 #include "hil/base/progress.h"
 #include "hil/base/spilled_vector.h"
+#include "hil/source/pin_events.h"
 #include "twin/base/pin_event.h"
 #include "twin/base/signal_map.h"
 
@@ -27,7 +28,7 @@ struct ReceivedBytes {
 /// than the memory.
 struct PinRecording {
   TickRate rate;
-  base::SpilledVector<PinEvent> outputs;    ///< Events of the controller's outputs, by tick.
+  PinEvents outputs;                        ///< Events of the controller's outputs, by tick.
   base::SpilledVector<SensorEdge> sensors;  ///< Edges that the bench drove, by tick.
   std::vector<ReceivedBytes> uart;          ///< Bytes of the UART, by tick.
   Tick end{};                       ///< End of the run; the file closes with a time stamp there, since

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hil/base/spilled_vector.h"
+#include "hil/source/pin_events.h"
 #include "twin/base/pin_event.h"
 
 namespace kerfbench::source {
@@ -26,7 +26,7 @@ class VcdGaps {
   [[nodiscard]] bool none() const { return gaps_.empty(); }
   /// Appends the gaps before an instant, and marks those in it. `instant`: all events of one tick, to be
   /// appended next.
-  void put(std::vector<PinEvent>& instant, base::SpilledVector<PinEvent>& outputs) {
+  void put(std::vector<PinEvent>& instant, PinEvents& outputs) {
     if (gaps_.empty() || instant.empty()) return;
     sort();
     const Tick tick = instant.front().tick;
@@ -43,7 +43,7 @@ class VcdGaps {
     for (const PinEvent& event : instant) levels_[event.port] = event.level;
   }
   /// Appends those after the last event.
-  void putRest(base::SpilledVector<PinEvent>& outputs) {
+  void putRest(PinEvents& outputs) {
     sort();
     for (; next_ < gaps_.size(); ++next_) putAlone(gaps_[next_], outputs);
   }
@@ -60,11 +60,11 @@ class VcdGaps {
     levels_.resize(std::size_t{1} << 16U);
     is_sorted_ = true;
   }
-  void putAlone(const Gap& gap, base::SpilledVector<PinEvent>& outputs) {
-    // One that is listed twice is one.
-    for (std::size_t i = outputs.size(); i > 0 && outputs[i - 1].tick == gap.tick; --i) {
-      if (outputs[i - 1].port == gap.port) return;
-    }
+  void putAlone(const Gap& gap, PinEvents& outputs) {
+    if (gap.tick != alone_tick_) alone_.clear();
+    alone_tick_ = gap.tick;
+    if (std::ranges::find(alone_, gap.port) != alone_.end()) return;  // One that is listed twice is one.
+    alone_.push_back(gap.port);
     outputs.push_back({gap.tick, gap.port, 0, levels_[gap.port], PinEvent::kGap});
   }
 
@@ -72,6 +72,8 @@ class VcdGaps {
   bool is_sorted_{true};
   std::size_t next_{};
   std::vector<std::uint16_t> levels_;  ///< Levels of each port after the last event.
+  Tick alone_tick_{};
+  std::vector<std::uint16_t> alone_;  ///< Ports of the gaps at alone_tick_ that are events of their own.
 };
 
 }  // namespace kerfbench::source

@@ -15,7 +15,8 @@
 #include "hil/base/number_from.h"
 #include "hil/base/text.h"
 #include "hil/source/vcd.h"
-#include "hil/source/vcd_gaps.h"
+#include "hil/source/vcd_digits.h"
+#include "hil/source/vcd_instants.h"
 #include "hil/source/vcd_scale.h"
 #include "hil/source/vcd_text.h"
 #include "hil/source/vcd_words.h"
@@ -169,7 +170,7 @@ class Reader {
       const auto tick = base::numberFrom<Tick>(words[2]);
       const auto port = words.size() > 3 ? base::numberFrom<std::uint16_t>(words[3]) : std::nullopt;
       if (tick && port) {
-        gaps_.add(*tick, *port);
+        instants_.gaps().add(*tick, *port);
       } else {
         fault("a gap makes no sense");
       }
@@ -267,7 +268,7 @@ class Reader {
 
   void body() {
     if (!faults_.empty()) return;  // Nothing below can be judged by a broken header.
-    for (auto token = text_.word(); !token.empty(); token = text_.word()) {
+    for (auto token = nextWord(); !token.empty(); token = nextWord()) {
       switch (token.front()) {
         case '#':
           stamp(token.substr(1));
@@ -344,11 +345,56 @@ class Reader {
       }
       return;
     }
+    edge(wire, high);
+  }
+
+  void edge(const Wire& wire, bool high) {
     if (isSensor(*wire.signal)) {
       recording_.sensors.push_back({tick_, *wire.signal, high});
-    } else {
-      output(wire.pin, high);
+    } else if (!instants_.change(wire.pin, high, tick_)) {
+      fault("a wire changes twice at one stamp");
     }
+  }
+
+  std::string_view nextWord() {
+    readPlainLines();
+    return text_.word();
+  }
+
+  /// Reads on while lines are of the usual kind, a stamp or a change of a wire of one letter, and at hand.
+  /// Whatever else a file may hold, and all that is wrong with it, is left to those who read words.
+  void readPlainLines() {
+    constexpr std::size_t kLongest = 1 + Digits::kRead;
+    if (text_.ahead().starts_with('\n')) text_.skipLine(1);
+    while (text_.ahead().size() > kLongest) {
+      const char* const line = text_.ahead().data();
+      const std::size_t size = *line == '#' ? plainStamp(line) : plainChange(line);
+      if (size == 0) break;
+      text_.skipLine(size);
+    }
+  }
+
+  /// Bytes of a line with a stamp that follows the last one; 0: it is none, and nothing was done.
+  std::size_t plainStamp(const char* line) {
+    const Digits digits = digitsAt(line + 1);
+    const bool is_number = digits.count - 1 < Digits::kMost && line[1 + digits.count] == '\n';
+    if (!is_number || digits.value < stamp_ || !scale_.tickOf(digits.value, tick_)) return 0;
+    stamp_ = digits.value;
+    stamped_ = true;
+    return digits.count + 2;
+  }
+
+  /// Bytes of a line in which a wire changes its level; 0: it is none, and nothing was done.
+  std::size_t plainChange(const char* line) {
+    constexpr std::size_t kBytes = 3;
+    Wire* const wire = by_letter_[static_cast<unsigned char>(line[1])];
+    const bool high = line[0] == '1';
+    if (wire == nullptr || line[2] != '\n' || (!high && line[0] != '0')) return 0;
+    if (!wire->signal) return kBytes;
+    if (wire->level != !high) return 0;
+    wire->level = high;
+    edge(*wire, high);
+    return kBytes;
   }
 
   void vector(std::string_view value) {
@@ -365,44 +411,9 @@ class Reader {
     }
   }
 
-  void output(PinId pin, bool high) {
-    auto& level = levels_[pin.port];
-    const auto mask = static_cast<std::uint16_t>(1U << pin.bit);
-    level = static_cast<std::uint16_t>(high ? level | mask : level & ~mask);
-    if (has_event_ && event_.tick == tick_) return join(pin.port, mask, level);
-    flush();
-    event_ = {tick_, pin.port, mask, level, PinEvent::kNone};
-    has_event_ = true;
-  }
-
-  /// A change at the tick of the last event.
-  void join(std::uint16_t port, std::uint16_t mask, std::uint16_t level) {
-    PinEvent* event = event_.port == port ? &event_ : nullptr;
-    for (PinEvent& other : beside_) event = other.port == port ? &other : event;
-    if (event == nullptr) {
-      beside_.push_back({tick_, port, mask, level, PinEvent::kNone});
-      return;
-    }
-    if ((event->changed & mask) != 0) fault("a wire changes twice at one stamp");
-    event->changed |= mask;
-    event->level = level;
-  }
-
-  /// Events of one tick that is over, and the gaps up to then.
-  void flush() {
-    if (!has_event_) return;
-    has_event_ = false;
-    if (beside_.empty() && gaps_.none()) return recording_.outputs.push_back(event_);
-    beside_.insert(beside_.begin(), event_);
-    gaps_.put(beside_, recording_.outputs);
-    recording_.outputs.append(beside_);
-    beside_.clear();
-  }
-
   void finish() {
     if (!stamped_) giveUp("no time stamps");
-    flush();
-    const Tick last = std::max(recording_.outputs.empty() ? 0 : recording_.outputs.back().tick,
+    const Tick last = std::max(instants_.flushed().back().tick,
                                recording_.sensors.empty() ? 0 : recording_.sensors.back().tick);
     recording_.end = own_end_.value_or(tick_);
     if (own_end_ && (*own_end_ < last || tick_ < *own_end_))
@@ -413,7 +424,8 @@ class Reader {
       recording_.problems.emplace_back(
           "the recording is not as it was written: the sum at its end does not fit what stands before it");
     recording_.sealed = has_sum_;
-    gaps_.putRest(recording_.outputs);
+    instants_.putRestOfGaps();
+    recording_.outputs = std::move(instants_.flushed());
   }
 
   std::string path_;
@@ -432,17 +444,12 @@ class Reader {
   bool in_dump_{};  ///< Levels of a $dump section are told, changed or not.
   bool has_sum_{};  ///< The header says that the file ends with its own sum.
   bool sum_fits_{};
-  VcdGaps gaps_;
+  VcdInstants instants_;
   std::array<bool, kSignalCount> seen_{};
   std::unordered_map<std::string, Wire, WordHash, std::equal_to<>> wires_;
   std::array<Wire*, 256> by_letter_{};
-  std::vector<std::uint16_t> levels_ =
-      std::vector<std::uint16_t>(std::size_t{1} << 16U);  ///< Levels of each port.
   VcdScale scale_;
   PinRecording recording_;
-  PinEvent event_;                ///< First event of the tick that is being read.
-  std::vector<PinEvent> beside_;  ///< Events of other ports at that tick.
-  bool has_event_{};
   std::uint64_t stamp_{};
   Tick tick_{};
   bool stamped_{};

@@ -22,7 +22,9 @@ class VcdScale {
     units_per_second_ = 1;
     for (int i = 0; i < exponent; ++i) units_per_second_ *= 10;
     const Wide per_tick = rate.den == 0 || !exact() ? 0 : Wide{rate.num} * units_per_second_ / rate.den;
-    if (per_tick >> 64U == 0) units_per_tick_ = static_cast<std::uint64_t>(per_tick);
+    if (per_tick >> 64U != 0) return;
+    units_per_tick_ = static_cast<std::uint64_t>(per_tick);
+    if (units_per_tick_ > 1) ticks_per_unit_ = ~std::uint64_t{0} / units_per_tick_ + 1;
   }
 
   /// The coarsest scale that is exact, else 1 ps.
@@ -49,10 +51,15 @@ class VcdScale {
   }
   /// The tick whose stamp this is; false if there is none.
   [[nodiscard]] bool tickOf(std::uint64_t stamp, Tick& tick) const {
-    // Division of 128 bits takes longer than all else that is done with an edge.
-    if (units_per_tick_ > 0) {
-      tick = stamp / units_per_tick_;
+    // Division takes longer than all else that is done with an edge. The inverse is too large by less than
+    // units_per_tick_ / 2^64, so that the product with a stamp that is on a tick is too large by less than 1.
+    if (units_per_tick_ > 1) {
+      tick = static_cast<Tick>(Wide{stamp} * ticks_per_unit_ >> 64U);
       return tick * units_per_tick_ == stamp;
+    }
+    if (units_per_tick_ == 1) {
+      tick = stamp;
+      return true;
     }
     const Wide tick_wide = (Wide{stamp} * rate_.den + Wide{rate_.num} * units_per_second_ / 2) /
                            (Wide{rate_.num} * units_per_second_);
@@ -76,6 +83,7 @@ class VcdScale {
   TickRate rate_;
   std::uint64_t units_per_second_{1};
   std::uint64_t units_per_tick_{0};  ///< 0: no whole number, or too large.
+  std::uint64_t ticks_per_unit_{0};  ///< Inverse of units_per_tick_, if that is more than 1, times 2^64.
 };
 
 }  // namespace kerfbench::source

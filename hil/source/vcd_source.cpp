@@ -25,12 +25,7 @@ class RecordingSource final : public SignalSource {
     batch.events.clear();
     batch.uart.clear();
     if (until <= watermark_ && !ended_) throw std::invalid_argument("advance() must go forward");
-    const auto& events = recording_.outputs;
-    while (next_ < events.size() && events[next_].tick <= until) batch.events.push_back(events[next_++]);
-    if (next_ - given_back_ >= events.kStride) {
-      events.giveBack(given_back_, next_);
-      given_back_ = next_;
-    }
+    for (; next_ != recording_.outputs.end() && next_->tick <= until; ++next_) batch.events.push_back(*next_);
     ended_ = ended_ || until >= recording_.end;
     watermark_ = ended_ ? recording_.end : until;
     batch.watermark = batch.uart_received = watermark_;
@@ -44,8 +39,7 @@ class RecordingSource final : public SignalSource {
  private:
   PinRecording recording_;
   SourceInfo info_;
-  std::size_t next_{};
-  std::size_t given_back_{};
+  PinEvents::Iterator next_{recording_.outputs.begin()};
   Tick watermark_{};
   bool ended_{};
 };

@@ -30,7 +30,7 @@ class VcdText {
  public:
   /// More than this a word or a section does not have.
   static constexpr std::size_t kMostKept = std::size_t{64} << 20U;
-  static constexpr std::size_t kPiece = std::size_t{1} << 18U;
+  static constexpr std::size_t kPiece = std::size_t{1} << 16U;
 
   /// @throws std::system_error with the path.
   VcdText(const std::filesystem::path& path, const base::ProgressFn& progress, std::size_t piece = kPiece);
@@ -48,6 +48,14 @@ class VcdText {
     line_ += lines;
     at_ = at;
     return {start, static_cast<std::size_t>(at - start)};
+  }
+
+  /// What is at hand of the text behind the last word; it may end within a word.
+  [[nodiscard]] std::string_view ahead() const { return {at_, end_}; }
+  /// Passes over a line of what is ahead, its end included.
+  void skipLine(std::size_t size) {
+    at_ += size;
+    ++line_;
   }
 
   /// What stands between a keyword and its $end.

@@ -60,7 +60,7 @@ class Writer {
     const auto sensors = recording_.sensors.streamed();
     auto sensor = sensors.begin();
     std::uint64_t events = 0;
-    for (const auto& event : recording_.outputs.streamed()) {
+    for (const auto& event : recording_.outputs) {
       for (; sensor != sensors.end() && sensor->tick < event.tick; ++sensor) writeSensor(*sensor);
       writeOutput(event);
       progress_.done(++events * kBytesOfAnEvent);
@@ -86,7 +86,7 @@ class Writer {
       text_ += "$comment kerfbench stamp_err " + std::to_string(recording_.stamp_err_ticks) + " $end\n";
     if (!recording_.uart.empty())
       text_ += "$comment kerfbench words " + std::to_string(recording_.uart.size()) + " $end\n";
-    for (const auto& event : recording_.outputs.streamed()) {
+    for (const auto& event : recording_.outputs) {
       if ((event.flags & PinEvent::kGap) == 0) continue;
       text_ += "$comment kerfbench gap " + std::to_string(event.tick) + " " + std::to_string(event.port) +
                " $end\n";

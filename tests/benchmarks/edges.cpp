@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings of any size, for `./bench benchmark --page`, which shows how reading them grows with their
-// edges.
+// Recordings of any size, for `./bench benchmark --page`, which shows how reading and judging them grows with
+// their edges.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -10,7 +10,9 @@
 
 #include "hil/base/number_from.h"
 #include "hil/scenario/case.h"
+#include "hil/source/analyser/sr_file.h"
 #include "hil/source/vcd.h"
+#include "tests/benchmarks/pin_account.h"
 #include "tests/benchmarks/recorded_run.h"
 
 namespace kerfbench::benchmarks {
@@ -24,7 +26,7 @@ const fs::path kBin = fs::path(KERFBENCH_BINARY_DIR) / "bin";
 /// Edges of all pins that the machine has wires for.
 std::uint64_t edgesOf(const source::PinRecording& recording) {
   std::uint64_t edges = recording.sensors.size();
-  for (const PinEvent& event : recording.outputs.streamed())
+  for (const PinEvent& event : recording.outputs)
     edges += static_cast<std::uint64_t>(__builtin_popcount(event.changed));
   return edges;
 }
@@ -42,9 +44,31 @@ int write(std::uint64_t least_edges, const fs::path& path) {
   return tell(recording);
 }
 
-int read(const fs::path& path) {
-  const scenario::Case test_case = scenario::readCase(kScenario, kBin.parent_path() / "firmware");
-  return tell(source::readVcd(path, test_case.machine.signals));
+scenario::Case machineCase() { return scenario::readCase(kScenario, kBin.parent_path() / "firmware"); }
+
+source::PinRecording readAny(const fs::path& path, const scenario::Case& test_case) {
+  const auto progress = [](double /*now_s*/, const std::string& what) {
+    std::fprintf(stderr, "\r%s ", what.c_str());
+  };
+  const SignalMap& map = test_case.machine.signals;
+  return path.extension() == ".sr" ? source::readSr(path, map, {}, progress)
+                                   : source::readVcd(path, map, progress);
+}
+
+int read(const fs::path& path) { return tell(readAny(path, machineCase())); }
+
+/// Positions and timing of all axes.
+int judge(const fs::path& path) {
+  const scenario::Case test_case = machineCase();
+  const source::PinRecording recording = readAny(path, test_case);
+  const PinAccount account = accountOf(recording, test_case);
+  for (const PulseTiming& axis : account.pins.pulses)
+    std::printf("%s: %llu pulses, set-up at least %.2f us, %llu of them short\n", axis.axis.c_str(),
+                static_cast<unsigned long long>(axis.pulses), 1e6 * axis.min_setup_s,
+                static_cast<unsigned long long>(axis.setup_violations));
+  std::printf("mirrors at %d and %d steps, the laser lit %zu times\n", account.end[0], account.end[1],
+              account.pins.light.size());
+  return tell(recording);
 }
 
 }  // namespace
@@ -55,9 +79,10 @@ int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   try {
     if (what == "read" && argc == 3) return benchmarks::read(argv[2]);
+    if (what == "judge" && argc == 3) return benchmarks::judge(argv[2]);
     const auto edges = argc > 2 ? base::numberFrom<std::uint64_t>(argv[2]) : std::nullopt;
     if (what == "write" && argc == 4 && edges) return benchmarks::write(*edges, argv[3]);
-    std::fprintf(stderr, "usage: kerfbench-edges write EDGES FILE | kerfbench-edges read FILE\n");
+    std::fprintf(stderr, "usage: kerfbench-edges write EDGES FILE | read FILE | judge FILE\n");
     return 64;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "kerfbench-edges: %s\n", e.what());

@@ -19,7 +19,7 @@ Plot = collections.namedtuple("Plot", "name title across curves")
 UNITS = (1, 3, 10, 30, 100)
 LINES_READ = (10, 100, 1000, 10000)
 EDGES = (10**5, 10**6, 10**7, 10**8, 10**9)
-BYTES_PER_EDGE = 64  # Of the file, and of what is spilled while it is written and read, with something to spare.
+BYTES_PER_EDGE = 32  # Of the file, and of what is spilled while it is written and judged, with something to spare.
 LINE_MM = 1.6
 PITCH_MM = 3.0
 
@@ -90,11 +90,11 @@ def edges_plot(process, kerfbench, folder):
             print(f"benchmark: the disk has no room for {n:.0e} edges", file=sys.stderr, flush=True)
             break
         process(program, "write", str(n), recording)
-        said, _, cpu_s, peak_mib = process(program, "read", recording)
-        sizes.append(int(said.split()[0]))
+        said, _, cpu_s, peak_mib = process(program, "judge", recording)
+        sizes.append(int(re.search(r"(\d+) edges$", said.strip()).group(1)))
         read.append({"cpu": cpu_s, "peak": peak_mib})
         os.remove(recording)
-    return Plot("edges", "Edges of a recording, read and checked", "edges", curves(sizes, read))
+    return Plot("edges", "Edges of a recording, read, checked and judged", "edges", curves(sizes, read))
 
 
 def plots(process, kerfbench, scenarios, folder):

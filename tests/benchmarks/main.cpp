@@ -27,7 +27,10 @@ int main(int argc, char** argv) {
     }
     for (const RecordedRun& run : runs) registerTwinBenchmarks(run);
     registerBulletBenchmarks(runs.front());
-    registerIngestBenchmarks(runs.front(), fs::path(KERFBENCH_BINARY_DIR) / "benchmarks");
+    registerIngestBenchmarks(
+        runs.front(),
+        kerfbench::scenario::readCase(scenarios / "label-on-belt.yaml", bin.parent_path() / "firmware"),
+        fs::path(KERFBENCH_BINARY_DIR) / "benchmarks");
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
   } catch (const std::exception& e) {

@@ -106,14 +106,26 @@ def twin_and_pins(bench):
     checked = counted(runs, "readVcd, checked", "recording, checked", "edges/s", "M edges/s", scale=1e-6)
     lines = counted(runs, "std::getline alone", "recording, lines alone", "edges/s", "M edges/s", scale=1e-6)
     rows.append(Row("recording", checked, lines))
-    if shutil.which("sigrok-cli"):
-        # Sampled at each tick of 62.5 ns: at the file's own 100 ps it would take hours.
-        own = counted(runs, "readVcd, checked", "recording of one run, checked", "edges/s", "M edges/s", scale=1e-6)
-        edges = runs["recording of one run, checked"][0]["edges"]
-        file = os.path.join(bench.build, "benchmarks", "run.vcd")
-        rates = [1e-6 * edges / process("sigrok-cli", "-I", "vcd:downsample=625", "-i", file, "-O", "null")[2]
-                 for _ in range(bench.repeats)]
-        rows.append(Row("recording of one run", own, Figure("sigrok-cli", "M edges/s", "more", rates)))
+    own = counted(runs, "readVcd, checked", "recording of one run, checked", "edges/s", "M edges/s", scale=1e-6)
+    account = counted(runs, "all axes, timing", "recording of one run, positions and timing", "edges/s", "M edges/s", scale=1e-6)
+    session = counted(runs, "readSr, checked", "session of one run, checked", "edges/s", "M edges/s", scale=1e-6)
+    edges = {file: runs[name][0]["edges"] for file, name in (("run.vcd", "recording of one run, checked"),
+                                                             ("run.sr", "session of one run, checked"))}
+
+    def sigrok(what, file, *args):
+        """Edges a second of processor time."""
+        if not shutil.which("sigrok-cli"):
+            return None
+        path = os.path.join(bench.build, "benchmarks", file)
+        return Figure(what, "M edges/s", "more", [1e-6 * edges[file] / process("sigrok-cli", "-i", path, *args)[2]
+                                                  for _ in range(bench.repeats)])
+
+    # Sampled at each tick of 62.5 ns: at the file's own 100 ps it would take hours.
+    by_ticks = ("-I", "vcd:downsample=625")
+    stepper = ("-P", "stepper_motor:step=galvo_x_pul:dir=galvo_x_dir", "-A", "stepper_motor")
+    rows += [Row("recording of one run", own, sigrok("sigrok-cli", "run.vcd", *by_ticks, "-O", "null")),
+             Row("recording of one run, judged", account, sigrok("sigrok-cli, stepper_motor, one axis", "run.vcd", *by_ticks, *stepper)),
+             Row("session of one run, 1 MHz", session, sigrok("sigrok-cli", "run.sr", "-O", "null"))]
     return rows
 
 

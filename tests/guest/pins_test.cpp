@@ -133,7 +133,7 @@ TEST_F(PinsTest, StampsAreThoseOfTheWire) {
   Player player(chip, strokes);
   const source::PinCapture captured = capture();
   const Played played = player.join();
-  const auto& events = captured.recording.outputs;
+  const std::vector<PinEvent> events = captured.recording.outputs.unpacked();
   ASSERT_EQ(events.size(), strokes.size());
   std::vector<double> off_us;
   for (std::size_t i = 0; i < strokes.size(); ++i) {

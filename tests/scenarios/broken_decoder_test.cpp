@@ -148,7 +148,7 @@ TEST_F(BrokenDecoder, ThatForgivesALateDirectionDoesNotVouchForThePulses) {
   const double late_s = 0.5 * case_.machine.gantry_y.profile.setup_s;
   ASSERT_GT(late_s, 0.0);
   const std::vector<PinEvent> events(run_.recording.outputs.begin(), run_.recording.outputs.end());
-  run_.recording.outputs = base::SpilledVector<PinEvent>(withLateDirection(
+  run_.recording.outputs = source::PinEvents(withLateDirection(
       events, wired(Signal::kGantryYPul), wired(Signal::kGantryYDir), run_.recording.rate.ticksAt(late_s)));
   const judge::Judgement judgement = judged();
   EXPECT_EQ(verdictOf(judgement, "path"),

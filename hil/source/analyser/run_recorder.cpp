@@ -76,7 +76,7 @@ PinRecording RunRecorder::takeRecording(std::uint64_t samplerate_hz, const Cut& 
   const auto tickOf = [&](Tick sample) {
     return sample == 0 ? cut.start : static_cast<Tick>(static_cast<std::int64_t>(sample) - cut.origin);
   };
-  for (PinEvent event : outputs_.streamed()) {
+  for (PinEvent event : outputs_) {
     event.tick = tickOf(event.tick);
     recording.outputs.push_back(event);
   }

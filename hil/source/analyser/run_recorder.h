@@ -62,8 +62,7 @@ class RunRecorder {
   std::uint64_t edges_{};
   std::uint64_t first_edge_{};
   std::uint64_t last_edge_{};
-  base::SpilledVector<PinEvent>
-      outputs_;  ///< Sorted by sample; those of sample 0 stand for the first levels.
+  PinEvents outputs_;  ///< Sorted by sample; those of sample 0 stand for the first levels.
   base::SpilledVector<SensorEdge> sensors_;
 };
 

@@ -21,7 +21,7 @@ constexpr std::uint64_t kPartSamples = std::uint64_t{1} << 21U;  // Some megabyt
 class SampleCursor {
  public:
   SampleCursor(const PinRecording& recording, const SignalMap& map, std::size_t sample_bytes)
-      : recording_(&recording), sample_bytes_(sample_bytes) {
+      : recording_(&recording), sample_bytes_(sample_bytes), output_(recording.outputs.begin()) {
     unsigned bit = 0;
     for (std::size_t i = 0; i < kSignalCount; ++i) {
       const auto signal = static_cast<Signal>(i);
@@ -55,17 +55,12 @@ class SampleCursor {
   };
 
   void takeEvents() {
-    const auto& outputs = recording_->outputs;
-    for (; output_ < outputs.size() && outputs[output_].tick <= tick_; ++output_) {
-      const PinEvent& event = outputs[output_];
+    for (; output_ != recording_->outputs.end() && output_->tick <= tick_; ++output_) {
+      const PinEvent event = *output_;
       for (const auto& [pin, bit] : outputs_) {
         if (pin.port == event.port && (event.changed >> pin.bit & 1U) != 0)
           put(bit, (event.level >> pin.bit & 1U) != 0);
       }
-    }
-    if (output_ - given_back_ >= outputs.kStride) {
-      outputs.giveBack(given_back_, output_);
-      given_back_ = output_;
     }
     const auto& sensors = recording_->sensors;
     for (; sensor_ < sensors.size() && sensors[sensor_].tick <= tick_; ++sensor_) {
@@ -86,8 +81,7 @@ class SampleCursor {
   Tick tick_{};
   std::size_t byte_{};
   std::uint64_t levels_{};
-  std::size_t output_{};
-  std::size_t given_back_{};
+  PinEvents::Iterator output_;
   std::size_t sensor_{};
 };
 
@@ -110,10 +104,9 @@ SrMetadata metadataOf(const PinRecording& recording, const SignalMap& map) {
 std::string problemsOf(const PinRecording& recording) {
   std::string text;
   for (const std::string& problem : recording.problems) text += vcdWords(problem) + "\n";
-  const auto events = recording.outputs.streamed();
-  const auto gap =
-      std::ranges::find_if(events, [](const PinEvent& event) { return (event.flags & PinEvent::kGap) != 0; });
-  if (gap != events.end())
+  const auto gap = std::ranges::find_if(
+      recording.outputs, [](const PinEvent& event) { return (event.flags & PinEvent::kGap) != 0; });
+  if (gap != recording.outputs.end())
     text += fmt::format("pin events were lost before {:.6f} s\n", recording.rate.seconds(gap->tick));
   return text;
 }

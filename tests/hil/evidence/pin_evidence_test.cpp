@@ -27,7 +27,7 @@ source::PinRecording recordingOf(const std::vector<PinEvent>& outputs,
                                  const std::vector<SensorEdge>& sensors = {}) {
   source::PinRecording recording;
   recording.rate = {1, 1'000'000};
-  recording.outputs = base::SpilledVector<PinEvent>(outputs);
+  recording.outputs = source::PinEvents(outputs);
   recording.sensors = base::SpilledVector<SensorEdge>(sensors);
   recording.end = 1'000'000;
   return recording;

@@ -126,13 +126,14 @@ TEST_F(VcdTest, GapsSurvive) {
   std::vector<PinEvent> events(recording.outputs.begin(), recording.outputs.end());
   events[40].flags = PinEvent::kGap;
   events.insert(events.begin() + 60, PinEvent{events[59].tick + 1, 9, 2, 2, PinEvent::kGap});
-  recording.outputs = base::SpilledVector<PinEvent>(events);
+  recording.outputs = PinEvents(events);
   writeVcd(file("gap.vcd"), recording, sampleMap());
   const auto back = readVcd(file("gap.vcd"), sampleMap());
-  ASSERT_EQ(back.outputs.size(), recording.outputs.size());
-  EXPECT_EQ(back.outputs[40], recording.outputs[40]);
-  EXPECT_EQ(back.outputs[60].tick, recording.outputs[60].tick);
-  EXPECT_EQ(back.outputs[60].flags, PinEvent::kGap);
+  const std::vector<PinEvent> read = back.outputs.unpacked();
+  ASSERT_EQ(read.size(), events.size());
+  EXPECT_EQ(read[40], events[40]);
+  EXPECT_EQ(read[60].tick, events[60].tick);
+  EXPECT_EQ(read[60].flags, PinEvent::kGap);
 }
 
 TEST_F(VcdTest, ProblemsSurviveWhateverTheirWords) {
@@ -205,9 +206,9 @@ TEST_F(ForeignWires, HaveTheNamesThatTheyAreGiven) {
   const auto recording = readVcd(file("foreign.vcd"), sampleMap(), names);
   const PinId pul = *sampleMap().pin(Signal::kGalvoXPul);
   ASSERT_EQ(recording.outputs.size(), 2U);
-  EXPECT_EQ(recording.outputs[0].tick, 5U);
-  EXPECT_EQ(recording.outputs[0].port, pul.port);
-  EXPECT_EQ(recording.outputs[0].level, 1U << pul.bit);
+  EXPECT_EQ(recording.outputs.front().tick, 5U);
+  EXPECT_EQ(recording.outputs.front().port, pul.port);
+  EXPECT_EQ(recording.outputs.front().level, 1U << pul.bit);
 }
 
 TEST_F(ForeignWires, AWireThatIsMissedIsToldWithThoseThatAreNoSignals) {
@@ -226,7 +227,7 @@ TEST_F(ForeignWires, ASignalThatIsGivenAnotherNameIsNotOnItsOwn) {
   // SPARE moves, and what is called galvo_x_pul is nobody's.
   const auto swapped = readVcd(file("foreign.vcd"), sampleMap(), {{Signal::kGalvoXPul, "SPARE"}});
   ASSERT_EQ(swapped.outputs.size(), 1U);
-  EXPECT_EQ(swapped.outputs[0].tick, 9U);
+  EXPECT_EQ(swapped.outputs.front().tick, 9U);
 }
 
 TEST_F(ForeignWires, ManyAreNotAllTold) {

@@ -46,7 +46,7 @@ class DemoAnalyser : public testing::Test {
 TEST_F(DemoAnalyser, CountsUpSampleBySample) {
   const PinCapture captured = capture("incremental");
   EXPECT_EQ(captured.edges, 19'999U + 9'999U);
-  const auto& outputs = captured.recording.outputs;
+  const std::vector<PinEvent> outputs = captured.recording.outputs.unpacked();
   ASSERT_EQ(outputs.size(), 20'000U);  // One event is the mark of the problem.
   for (std::uint16_t i = 1; i < 20'000; ++i) {
     // The tick of sample 0 is 1.

@@ -223,7 +223,7 @@ TEST_F(SrFile, WhatSpoiledARecordingStaysInIt) {
   recording.problems = {"a chip has gone,\n 100 %"};
   std::vector<PinEvent> events(recording.outputs.begin(), recording.outputs.end());
   events[40].flags = PinEvent::kGap;
-  recording.outputs = base::SpilledVector<PinEvent>(events);
+  recording.outputs = PinEvents(events);
   writeSr(file("spoiled.sr"), recording, sampleMap());
   EXPECT_THAT(readSr(file("spoiled.sr"), sampleMap(), {}).problems,
               ElementsAre("a chip has gone,\n 100 %", HasSubstr("pin events were lost before 0.00")));

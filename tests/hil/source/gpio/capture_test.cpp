@@ -86,9 +86,10 @@ TEST_F(CaptureTest, AJobIsRecordedEdgeByEdge) {
   for (const PinEvent& event : recording.outputs)
     pulses += event.changed == 1U << 3U && (event.level & 8U) != 0 ? 1 : 0;
   EXPECT_EQ(pulses, 100U);
-  EXPECT_EQ(recording.outputs[202].port, 1);
-  EXPECT_EQ(recording.outputs[202].level, 0);
-  EXPECT_EQ(recording.outputs[201].level, 1U << 5U);
+  const std::vector<PinEvent> events = recording.outputs.unpacked();
+  EXPECT_EQ(events[202].port, 1);
+  EXPECT_EQ(events[202].level, 0);
+  EXPECT_EQ(events[201].level, 1U << 5U);
   EXPECT_THAT(kernel->open_fds, IsEmpty());
 }
 
