@@ -45,17 +45,19 @@ std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& w
 std::optional<CountedSteps> CountedSteps::of(const source::PinRecording& recording, const PinWiring& wiring) {
   std::optional<CountedSteps> counted = from(recording.rate, wiring);
   if (!counted) return std::nullopt;
-  for (const PinEvent& event : recording.outputs) counted->add({&event, 1}, event.tick);
+  for (const PinEvent& event : recording.outputs) counted->take(event);
   counted->end();
   return counted;
 }
 
 void CountedSteps::add(std::span<const PinEvent> events, Tick until) {
-  for (const PinEvent& event : events) {
-    fillBefore(event.tick);
-    for (std::size_t i = 0; i < 2; ++i) now_[i] += axes_[i].stepBy(event);
-  }
+  for (const PinEvent& event : events) take(event);
   fillBefore(until);
+}
+
+void CountedSteps::take(const PinEvent& event) {
+  fillBefore(event.tick);
+  for (std::size_t i = 0; i < 2; ++i) now_[i] += axes_[i].stepBy(event);
 }
 
 /// Most events need no division: they come well before the period's end.

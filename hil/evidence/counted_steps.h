@@ -56,6 +56,7 @@ class CountedSteps {
 
   [[nodiscard]] std::size_t indexAt(double time_s) const;
   [[nodiscard]] std::size_t periodOf(Tick tick) const;
+  void take(const PinEvent& event);
   void fillBefore(Tick tick);
   void fillUpTo(std::size_t period);
 
