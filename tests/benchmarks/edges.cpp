@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recordings of any size, for `./bench benchmark --page`, which shows how reading and judging them grows with
 // their edges.
+#include <sys/resource.h>
+
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <string>
 
 #include "hil/base/number_from.h"
@@ -55,7 +58,16 @@ source::PinRecording readAny(const fs::path& path, const scenario::Case& test_ca
                                    : source::readVcd(path, map, progress);
 }
 
-int read(const fs::path& path) { return tell(readAny(path, machineCase())); }
+/// Fails if the program has taken more than `most_mib` of memory at any time.
+int read(const fs::path& path, std::uint64_t most_mib) {
+  const int code = tell(readAny(path, machineCase()));
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto peak_mib = static_cast<std::uint64_t>(used.ru_maxrss) / 1024;
+  if (peak_mib <= most_mib) return code;
+  std::fprintf(stderr, "kerfbench-edges: %llu MiB of memory\n", static_cast<unsigned long long>(peak_mib));
+  return 1;
+}
 
 /// Positions and timing of all axes.
 int judge(const fs::path& path) {
@@ -78,11 +90,14 @@ int main(int argc, char** argv) {
   using namespace kerfbench;
   const std::string what = argc > 1 ? argv[1] : "";
   try {
-    if (what == "read" && argc == 3) return benchmarks::read(argv[2]);
+    if (what == "read" && argc == 3)
+      return benchmarks::read(argv[2], std::numeric_limits<std::uint64_t>::max());
+    const auto most_mib = argc > 3 ? base::numberFrom<std::uint64_t>(argv[3]) : std::nullopt;
+    if (what == "read" && argc == 4 && most_mib) return benchmarks::read(argv[2], *most_mib);
     if (what == "judge" && argc == 3) return benchmarks::judge(argv[2]);
     const auto edges = argc > 2 ? base::numberFrom<std::uint64_t>(argv[2]) : std::nullopt;
     if (what == "write" && argc == 4 && edges) return benchmarks::write(*edges, argv[3]);
-    std::fprintf(stderr, "usage: kerfbench-edges write EDGES FILE | read FILE | judge FILE\n");
+    std::fprintf(stderr, "usage: kerfbench-edges write EDGES FILE | read FILE [MOST_MIB] | judge FILE\n");
     return 64;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "kerfbench-edges: %s\n", e.what());
