@@ -7,8 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/LU>
-
 #include "twin/base/multiversion.h"
 #include "twin/base/wide_math.h"
 
@@ -34,57 +32,106 @@ struct RingOfEdges {
   double outer_mm{};
 };
 
-/// Pixels of a row that the ring may reach, and those that surely lie within its inner circle: of the others
-/// nothing need be computed. The picture of a circle lies between two circles of pixels.
-class RowsOfRing {
+/// A row of pixels on the plane, from the disc's middle: pixel x of its box lies at c0 + s (c1 + s c2), s =
+/// (x
+/// - x0) / width.
+class RowOnPlane {
  public:
-  RowsOfRing(const RingOfEdges& ring, const Vector2d& middle_px, const Eigen::Matrix2d& px_per_mm)
-      : middle_px_(middle_px) {
-    // The singular values, and some room for a scale that changes over the mark.
-    constexpr double kScale = 0.02;
-    constexpr double kRoom_px = 0.75;
-    const double mean = 0.5 * px_per_mm.squaredNorm();
-    const double spread = std::sqrt(std::max(0.0, mean * mean - std::pow(px_per_mm.determinant(), 2)));
-    outer_px_ = (1.0 + kScale) * std::sqrt(mean + spread) * ring.outer_mm + kRoom_px;
-    inner_px_ = (1.0 - kScale) * std::sqrt(mean - spread) * ring.inner_mm - kRoom_px;
+  RowOnPlane(const PlanePatch& patch, const PixelBox& box, int y, const Vector2d& middle_mm)
+      : x0_(box.x0), width_(box.x1 - box.x0) {
+    const double t = (y - box.y0) / static_cast<double>(box.y1 - box.y0);
+    const Vector2d c0 = patch.alongRow(t, 0) - middle_mm;
+    const Vector2d c1 = patch.alongRow(t, 1);
+    const Vector2d c2 = patch.alongRow(t, 2);
+    c0_ = c0.cast<float>();
+    c1_ = c1.cast<float>();
+    c2_ = c2.cast<float>();
+    const Vector2d chord = c1 + c2;
+    per_square_ = 1.0 / chord.squaredNorm();
+    const double along = c0.dot(chord);
+    middle_px_ = x0_ - along * per_square_ * width_;
+    square_mm2_ = c0.squaredNorm() - along * along * per_square_;
+    bend_mm_ = 0.25 * (std::abs(c2.x()) + std::abs(c2.y()));
   }
-  /// Columns [first, last) of row y that may have ink.
-  [[nodiscard]] std::pair<int, int> reached(int y, const PixelBox& box) const {
-    return within(outer_px_, y, box);
+
+  /// Columns [first, last) between x0 and x1 that may lie within a circle about the middle.
+  [[nodiscard]] std::pair<int, int> reached(double radius_mm, int x0, int x1) const {
+    return within(radius_mm + bend_mm_, kRoom_px, x0, x1);
   }
-  /// Columns [first, last) of row y that have nothing but ink; never more than those reached.
-  [[nodiscard]] std::pair<int, int> covered(int y, const PixelBox& box) const {
-    return within(inner_px_, y, box);
+  /// Columns [first, last) between x0 and x1 that surely lie within a circle about the middle.
+  [[nodiscard]] std::pair<int, int> covered(double radius_mm, int x0, int x1) const {
+    return within(radius_mm - bend_mm_, -kRoom_px, x0, x1);
+  }
+  /// Where the pixels of a column and the next ones lie.
+  struct Place {
+    float x_mm, y_mm;
+  };
+  [[nodiscard]] Place at(int x) const {
+    const float s = static_cast<float>(x - x0_) * (1.0F / static_cast<float>(width_));
+    return {c0_.x() + s * (c1_.x() + s * c2_.x()), c0_.y() + s * (c1_.y() + s * c2_.y())};
   }
 
  private:
-  [[nodiscard]] std::pair<int, int> within(double radius_px, int y, const PixelBox& box) const {
-    const double down = y - middle_px_.y();
-    const double square = radius_px * radius_px - down * down;
-    if (radius_px <= 0.0 || square <= 0.0) return {box.x1, box.x1};
-    const double half = std::sqrt(square);
+  static constexpr double kRoom_px = 0.01;  // More than floats round by.
+
+  /// The row bends away from its chord by a quarter of c2 at most: circles are cut by the chord.
+  [[nodiscard]] std::pair<int, int> within(double radius_mm, double room_px, int x0, int x1) const {
+    const double square = radius_mm * radius_mm - square_mm2_;
+    if (radius_mm <= 0.0 || !(square > 0.0)) return {x1, x1};
+    const double half_px = std::sqrt(square * per_square_) * width_ + room_px;
     const auto clip = [&](double x) {
-      return static_cast<int>(std::clamp(x, static_cast<double>(box.x0), static_cast<double>(box.x1)));
+      return std::clamp(x, static_cast<double>(x0), static_cast<double>(x1));
     };
-    return {clip(std::ceil(middle_px_.x() - half)), clip(std::floor(middle_px_.x() + half) + 1.0)};
+    const double first = clip(middle_px_ - half_px);
+    const auto down = static_cast<int>(first);
+    const int begin = down + (first > down ? 1 : 0);
+    return {begin, std::max(begin, static_cast<int>(clip(middle_px_ + half_px + 1.0)))};
   }
 
-  Vector2d middle_px_;
-  double outer_px_{};
-  double inner_px_{};
+  int x0_, width_;
+  Eigen::Vector2f c0_, c1_, c2_;
+  double bend_mm_{};
+  double per_square_{};  // For the square of the chord.
+  double middle_px_{};  // Place of the chord that is nearest to the disc's middle, and its distance, squared.
+  double square_mm2_{};
 };
 
 /// Pixels near the edge, from the disc's middle: taken several at a time, whichever rows they are of.
 struct EdgePixels {
   static constexpr std::size_t kMost = 512;
+  static constexpr std::size_t kLanes = 8;
+
+  struct Run {
+    float* light;
+    std::size_t count;
+  };
   std::size_t count{0};
-  std::array<float, kMost> x_mm, y_mm, ink;
-  std::array<float*, kMost> light;
+  std::size_t run_count{0};
+  std::array<float, kMost + kLanes> x_mm, y_mm, ink;
+  std::array<Run, kMost> runs;
 };
+
+/// Adds the pixels [first, first + count) of a row; there must be room.
+KERFBENCH_WIDE void collect(const RowOnPlane& row, int first, std::size_t count, float* line,
+                            EdgePixels& pixels) {
+  constexpr std::size_t kLanes = EdgePixels::kLanes;
+  for (std::size_t begin = 0; begin < count; begin += kLanes) {
+    float* const x_mm = pixels.x_mm.data() + pixels.count + begin;
+    float* const y_mm = pixels.y_mm.data() + pixels.count + begin;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const RowOnPlane::Place place = row.at(first + static_cast<int>(begin + lane));
+      x_mm[lane] = place.x_mm;
+      y_mm[lane] = place.y_mm;
+    }
+  }
+  pixels.runs[pixels.run_count++] = {line + first, count};
+  pixels.count += count;
+}
 
 /// Adds the ink of a disc at one place.
 KERFBENCH_WIDE void addInk(float place_x_mm, float place_y_mm, float radius_mm, float sigmas_per_mm,
                            EdgePixels& pixels) {
+#pragma clang loop vectorize_width(8) interleave_count(2)
   for (std::size_t i = 0; i < pixels.count; ++i) {
     const float x = pixels.x_mm[i] - place_x_mm;
     const float y = pixels.y_mm[i] - place_y_mm;
@@ -97,24 +144,31 @@ KERFBENCH_WIDE void addInk(float place_x_mm, float place_y_mm, float radius_mm, 
   }
 }
 
+/// Adds the ink to the light and empties the list.
+void drawOn(EdgePixels& pixels, float gray) {
+  const float* ink = pixels.ink.data();
+  for (std::size_t k = 0; k < pixels.run_count; ++k) {
+    const EdgePixels::Run& run = pixels.runs[k];
+    for (std::size_t i = 0; i < run.count; ++i) run.light[i] += gray * ink[i];
+    ink += run.count;
+  }
+  pixels.count = pixels.run_count = 0;
+}
+
 }  // namespace
 
-DiscPainter::DiscPainter(const MarkImage& mark, const PlanePatch& patch, const PlaneProjection& projection,
-                         double blur_px, double darkening_gray)
+DiscPainter::DiscPainter(const MarkImage& mark, const PlanePatch& patch, double blur_px,
+                         double darkening_gray)
     : mark_(mark),
       patch_(patch),
       middle_mm_(mark.p_WM_mm[mark.p_WM_mm.size() / 2]),
-      middle_px_(projection.pixelOf(middle_mm_)),
-      px_per_mm_(projection.jacobianAt(middle_mm_)),
       blur_mm_(blur_px / mark.px_per_mm),
       darkening_gray_(darkening_gray) {}
 
 void DiscPainter::add(const PixelBox& box, std::vector<float>& light) const {
-  const PixelBox& own = mark_.box;
-  const PixelBox drawn = own.within(box);
-  if (!middle_px_ || drawn.empty()) return;
-  const RowsOfRing rows(RingOfEdges(mark_, middle_mm_, double{kInkSigmas} * blur_mm_), *middle_px_,
-                        px_per_mm_);
+  const PixelBox drawn = mark_.box.within(box);
+  if (drawn.empty()) return;
+  const RingOfEdges ring(mark_, middle_mm_, double{kInkSigmas} * blur_mm_);
   const auto all_ink = static_cast<float>(darkening_gray_);
   const float per_place = all_ink / static_cast<float>(mark_.p_WM_mm.size());
   EdgePixels pixels;
@@ -125,30 +179,23 @@ void DiscPainter::add(const PixelBox& box, std::vector<float>& light) const {
       addInk(from_middle.x(), from_middle.y(), static_cast<float>(mark_.radius_mm),
              static_cast<float>(1.0 / blur_mm_), pixels);
     }
-    for (std::size_t i = 0; i < pixels.count; ++i) *pixels.light[i] += per_place * pixels.ink[i];
-    pixels.count = 0;
+    drawOn(pixels, per_place);
   };
   for (int y = drawn.y0; y < drawn.y1; ++y) {
+    const RowOnPlane row(patch_, mark_.box, y, middle_mm_);
+    const auto [x0, x1] = row.reached(ring.outer_mm, drawn.x0, drawn.x1);
+    const auto [ink0, ink1] = row.covered(ring.inner_mm, x0, x1);
     float* const line = light.data() + static_cast<std::ptrdiff_t>(y - box.y0) * (box.x1 - box.x0) - box.x0;
-    const double t = (y - own.y0) / static_cast<double>(own.y1 - own.y0);
-    const Eigen::Vector2f c0 = (patch_.alongRow(t, 0) - middle_mm_).cast<float>();
-    const Eigen::Vector2f c1 = patch_.alongRow(t, 1).cast<float>();
-    const Eigen::Vector2f c2 = patch_.alongRow(t, 2).cast<float>();
-    const float per_pixel = 1.0F / static_cast<float>(own.x1 - own.x0);
-    const auto collect = [&](int x0, int x1) {
-      for (int x = x0; x < x1; ++x) {
-        const float s = static_cast<float>(x - own.x0) * per_pixel;
-        pixels.x_mm[pixels.count] = c0.x() + s * (c1.x() + s * c2.x());
-        pixels.y_mm[pixels.count] = c0.y() + s * (c1.y() + s * c2.y());
-        pixels.light[pixels.count++] = line + x;
+    for (int x = ink0; x < ink1; ++x) line[x] += all_ink;
+    for (const auto& [begin, end] : {std::pair{x0, ink0}, {ink1, x1}}) {
+      for (int x = begin; x < end;) {
+        const std::size_t room = EdgePixels::kMost - pixels.count;
+        const std::size_t count = std::min(static_cast<std::size_t>(end - x), room);
+        collect(row, x, count, line, pixels);
+        x += static_cast<int>(count);
         if (pixels.count == EdgePixels::kMost) draw();
       }
-    };
-    const auto [x0, x1] = rows.reached(y, drawn);
-    const auto [ink0, ink1] = rows.covered(y, {x0, drawn.y0, x1, drawn.y1});
-    collect(x0, ink0);
-    for (int x = ink0; x < ink1; ++x) line[x] += all_ink;
-    collect(ink1, x1);
+    }
   }
   draw();
 }

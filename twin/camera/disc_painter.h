@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,8 +16,7 @@ class DiscPainter {
  public:
   /// `patch`: where the pixels of the disc's box lie on the plane. `darkening_gray`: gray of ink less gray of
   /// board. Both must outlive this.
-  DiscPainter(const MarkImage& mark, const PlanePatch& patch, const PlaneProjection& projection,
-              double blur_px, double darkening_gray);
+  DiscPainter(const MarkImage& mark, const PlanePatch& patch, double blur_px, double darkening_gray);
 
   /// Adds what of the disc lies in a box to its light, row by row.
   void add(const PixelBox& box, std::vector<float>& light) const;
@@ -27,8 +25,6 @@ class DiscPainter {
   const MarkImage& mark_;
   const PlanePatch& patch_;
   Eigen::Vector2d middle_mm_;
-  std::optional<Eigen::Vector2d> middle_px_;
-  Eigen::Matrix2d px_per_mm_;
   double blur_mm_;
   double darkening_gray_;
 };

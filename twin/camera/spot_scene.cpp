@@ -325,7 +325,7 @@ void SpotStage::addMark(const MarkImage& mark, const PixelBox& box, std::vector<
     nodes[n] = *point;
   }
   const PlanePatch patch(nodes);
-  const DiscPainter painter(mark, patch, projection_, blur_px_, kMarkGray - camera_.board_gray);
+  const DiscPainter painter(mark, patch, blur_px_, kMarkGray - camera_.board_gray);
   painter.add(box, light);
 }
 
