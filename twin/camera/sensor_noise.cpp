@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "twin/base/image.h"
+#include "twin/base/multiversion.h"
 
 namespace kerfbench::twin {
 namespace {
@@ -38,20 +39,52 @@ std::array<float, kQuantiles> makeQuantiles() {
   return out;
 }
 
-/// Four pixels share 64 random bits, 16 each, of which the lower 12 are used.
+constexpr std::size_t kPerWord = 4;
+constexpr std::size_t kWords = kChunk / kPerWord;
+
+KERFBENCH_WIDE void drawWords(const CounterRandom& random, std::uint64_t first, std::size_t count,
+                              std::uint64_t* words) {
+  for (std::size_t i = 0; i < count; ++i) words[i] = random.bits(first + i);
+}
+
+/// Four pixels share 64 random bits, 16 each, of which the lower 12 are used. At most kChunk pixels.
 void sampleNormals(const std::array<float, kQuantiles>& table, const CounterRandom& random,
                    std::uint64_t index, std::size_t count, float* out) {
-  std::size_t i = 0;
-  while (i < count) {
-    std::uint64_t bits = random.bits((index + i) / 4);
-    const std::uint64_t lane = (index + i) % 4;
-    if (lane == 0 && i + 4 <= count) {
-      for (std::size_t j = 0; j < 4; ++j, bits >>= 16U) out[i + j] = table[bits % kQuantiles];
-      i += 4;
-    } else {
-      out[i++] = table[(bits >> (16U * lane)) % kQuantiles];
-    }
+  std::array<std::uint64_t, kWords + 1> words;  // The first and the last may be used in part.
+  const auto skipped = static_cast<std::size_t>(index % kPerWord);
+  const std::size_t word_count = (skipped + count + kPerWord - 1) / kPerWord;
+  drawWords(random, index / kPerWord, word_count, words.data());
+  std::array<float, kChunk + 2 * kPerWord> normals;
+  for (std::size_t i = 0; i < word_count; ++i) {
+    for (std::size_t lane = 0; lane < kPerWord; ++lane)
+      normals[kPerWord * i + lane] = table[(words[i] >> (16U * lane)) % kQuantiles];
   }
+  std::copy_n(normals.begin() + static_cast<std::ptrdiff_t>(skipped), count, out);
+}
+
+/// What turns light and a normal deviate into a level.
+struct Sensor {
+  float read_variance, shot_variance_per_gray;
+  float levels_per_gray, top;
+
+  [[nodiscard]] int levelOf(float light, float normal) const {
+    const float variance = light * shot_variance_per_gray + read_variance;
+    float level = (light + std::sqrt(variance > 0.0F ? variance : 0.0F) * normal) * levels_per_gray;
+    level = level > 0.0F ? level : 0.0F;
+    level = level < top ? level : top;
+    return static_cast<int>(level + 0.5F);
+  }
+};
+
+KERFBENCH_WIDE void toLevels(const Sensor& sensor, std::span<const float> light, const float* normal,
+                             std::uint8_t* out) {
+  for (std::size_t i = 0; i < light.size(); ++i)
+    out[i] = static_cast<std::uint8_t>(sensor.levelOf(light[i], normal[i]));
+}
+KERFBENCH_WIDE void toLevels(const Sensor& sensor, std::span<const float> light, const float* normal,
+                             std::uint16_t* out) {
+  for (std::size_t i = 0; i < light.size(); ++i)
+    out[i] = static_cast<std::uint16_t>(sensor.levelOf(light[i], normal[i]));
 }
 
 }  // namespace
@@ -70,22 +103,13 @@ template <typename Level>
 void SensorNoise::exposeAs(std::span<const float> light, const CounterRandom& random,
                            std::uint64_t first_index, Level* out) const {
   const auto& table = normalQuantiles();
-  const auto levels_per_gray = static_cast<float>(1 << (bits_ - 8));
-  const auto top = static_cast<float>((1 << bits_) - 1);
+  const Sensor sensor{read_variance_, shot_variance_per_gray_, static_cast<float>(1 << (bits_ - 8)),
+                      static_cast<float>((1 << bits_) - 1)};
   std::array<float, kChunk> normal;
   for (std::size_t begin = 0; begin < light.size(); begin += kChunk) {
-    const std::size_t count = std::min(kChunk, light.size() - begin);
-    sampleNormals(table, random, first_index + begin, count, normal.data());
-    const float* const in = light.data() + begin;
-    Level* const to = out + begin;
-    for (std::size_t i = 0; i < count; ++i) {
-      const float variance = in[i] * shot_variance_per_gray_ + read_variance_;
-      float level = in[i] + std::sqrt(variance > 0.0F ? variance : 0.0F) * normal[i];
-      if constexpr (sizeof(Level) > 1) level *= levels_per_gray;
-      level = level > 0.0F ? level : 0.0F;
-      level = level < top ? level : top;
-      to[i] = static_cast<Level>(static_cast<int>(level + 0.5F));
-    }
+    const std::span<const float> chunk = light.subspan(begin, std::min(kChunk, light.size() - begin));
+    sampleNormals(table, random, first_index + begin, chunk.size(), normal.data());
+    toLevels(sensor, chunk, normal.data(), out + begin);
   }
 }
 
