@@ -19,3 +19,11 @@
 #else
 #define KERFBENCH_WIDE
 #endif
+
+// KERFBENCH_INTERLEAVED: before a loop whose rounds are long chains of operations: two registers full of them
+// at a time, so that one does not wait for itself.
+#if defined(__clang__)
+#define KERFBENCH_INTERLEAVED _Pragma("clang loop interleave_count(2)")
+#else
+#define KERFBENCH_INTERLEAVED
+#endif

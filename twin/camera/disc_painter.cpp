@@ -131,7 +131,7 @@ KERFBENCH_WIDE void collect(const RowOnPlane& row, int first, std::size_t count,
 /// Adds the ink of a disc at one place.
 KERFBENCH_WIDE void addInk(float place_x_mm, float place_y_mm, float radius_mm, float sigmas_per_mm,
                            EdgePixels& pixels) {
-#pragma clang loop vectorize_width(8) interleave_count(2)
+  KERFBENCH_INTERLEAVED
   for (std::size_t i = 0; i < pixels.count; ++i) {
     const float x = pixels.x_mm[i] - place_x_mm;
     const float y = pixels.y_mm[i] - place_y_mm;
