@@ -62,7 +62,7 @@ class RowOnPlane {
   [[nodiscard]] std::pair<int, int> covered(double radius_mm, int x0, int x1) const {
     return within(radius_mm - bend_mm_, -kRoom_px, x0, x1);
   }
-  /// Where the pixels of a column and the next ones lie.
+  /// Place of a pixel, from the middle of the disc.
   struct Place {
     float x_mm, y_mm;
   };
@@ -91,7 +91,7 @@ class RowOnPlane {
   int x0_, width_;
   Eigen::Vector2f c0_, c1_, c2_;
   double bend_mm_{};
-  double per_square_{};  // For the square of the chord.
+  double per_square_{};  // Inverse square of the length of the chord.
   double middle_px_{};  // Place of the chord that is nearest to the disc's middle, and its distance, squared.
   double square_mm2_{};
 };
