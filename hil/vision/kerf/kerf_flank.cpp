@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 
 #include <Eigen/Core>
 
 #include "hil/vision/kerf/flank_belief.h"
+#include "hil/vision/kerf/kerf_blur.h"
 #include "hil/vision/kerf/kerf_sampling.h"
 #include "hil/vision/kerf/light_law.h"
 
@@ -42,50 +44,31 @@ constexpr double kTightModel_mm = 0.001;
 constexpr double kWidestMm = 0.6;
 constexpr double kBendMm = 0.3;  // Distance of the readings by which the bend of a kerf is measured.
 
-/// Samples of functions over y >= 0 at a fixed step.
-struct Shapes {
-  double step_mm{};
-  std::vector<double> light;  ///< Without blur.
-  std::vector<double> left;   ///< Light of the board that is left, without blur.
-  std::vector<double> even;   ///< Blurred profile.
-
-  [[nodiscard]] static double at(const std::vector<double>& f, double index) {
-    const double clamped = std::clamp(index, 0.0, static_cast<double>(f.size()) - 1.001);
-    const auto i = static_cast<std::size_t>(clamped);
-    const double t = clamped - static_cast<double>(i);
-    return (1.0 - t) * f[i] + t * f[i + 1];
-  }
-  [[nodiscard]] double evenSlope(double y_mm) const {
-    return (at(even, y_mm / step_mm + 1.0) - at(even, y_mm / step_mm - 1.0)) / (2.0 * step_mm);
-  }
-};
-
-/// Convolves a function given on y >= 0, mirrored with a sign to y < 0.
-std::vector<double> blurred(const std::vector<double>& f, double sign, double sigma_steps) {
-  const int reach = static_cast<int>(std::ceil(4.0 * sigma_steps));
-  const int n = static_cast<int>(f.size());
-  std::vector<double> both(static_cast<std::size_t>(n + 2 * reach));
-  for (int at = -reach; at < n + reach; ++at) {
-    const double value = f[static_cast<std::size_t>(std::min(std::abs(at), n - 1))];
-    both[static_cast<std::size_t>(at + reach)] = at == 0 && sign < 0.0 ? 0.0 : (at < 0 ? sign : 1.0) * value;
-  }
-  std::vector<double> out(f.size());
-  double sum = 0.0;
-  for (int k = -reach; k <= reach; ++k) {
-    const double weight = std::exp(-0.5 * k * k / (sigma_steps * sigma_steps));
-    sum += weight;
-    const double* const from = both.data() + k + reach;
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] += weight * from[i];
-  }
-  for (double& v : out) v /= sum;
-  return out;
+/// A profile over y >= 0, blurred, between two samples as on a straight line.
+double at(BlurredProfile& f, double index) {
+  const double clamped = std::clamp(index, 0.0, static_cast<double>(f.size()) - 1.001);
+  const auto i = static_cast<std::size_t>(clamped);
+  const double t = clamped - static_cast<double>(i);
+  return (1.0 - t) * f[i] + t * f[i + 1];
 }
 
-/// Share of the cutting fluence over y; 1 and more is open.
-double shareAt(const FlankQuery& q, double peak, double y_mm) {
-  if (!(q.beam_radius_mm > 0.0)) return y_mm < q.half_width_mm ? std::min(peak, 1.0) : 0.0;
+/// Blurs a function given on y >= 0 and mirrored with a sign to y < 0.
+BlurredProfile blurred(const std::vector<double>& f, double sign, const BlurKernel& kernel) {
+  return {f.size(), kernel, [&](int at) {
+            if (at == 0 && sign < 0.0) return 0.0;
+            const auto i = std::min(static_cast<std::size_t>(std::abs(at)), f.size() - 1);
+            return (at < 0 ? sign : 1.0) * f[i];
+          }};
+}
+
+/// Fluence of a beam over y, over that in its middle.
+double beamAt(const FlankQuery& q, double y_mm) {
   const double a = y_mm / q.beam_radius_mm;
-  return peak * std::exp(-2.0 * a * a);
+  return std::exp(-2.0 * a * a);
+}
+/// Share of the cutting fluence over y of a hard edge.
+double hardShareAt(const FlankQuery& q, double peak, double y_mm) {
+  return y_mm < q.half_width_mm ? std::min(peak, 1.0) : 0.0;
 }
 
 double middleSigma_mm(const FlankQuery& q) {
@@ -100,7 +83,7 @@ class SeenTop {
     for (std::size_t i = 0; i < weights_.size(); ++i) {
       const double z = kReach * static_cast<double>(i) / kFlankTopSamples;
       weights_[i] = std::exp(-0.5 * z * z);
-      shares_[i] = shareAt(q, 1.0, z * sigma_mm);
+      shares_[i] = beamAt(q, z * sigma_mm);
     }
   }
   [[nodiscard]] double at(double peak, const LightLaw& law) const {
@@ -142,28 +125,52 @@ double peakShare(const FlankQuery& q, const LightLaw& law) {
   return std::max(1.0, shareOf(0.5 * (q.top_gray + q.board_gray)) * std::exp(2.0 * a * a));
 }
 
-double sigmaSteps(const FlankQuery& q) { return std::hypot(q.lens_px, kSplinePx) * kGridPerPx; }
-
 LightLaw lawOf(const FlankQuery& q) { return {std::clamp(q.board_gray / q.open_gray, 1e-3, 0.9), q.growth}; }
 
-Shapes shapesOf(const FlankQuery& q, double peak) {
-  Shapes s;
-  s.step_mm = q.pixel_mm / kGridPerPx;
-  const auto n = static_cast<std::size_t>((q.half_width_mm + kReachPx * q.pixel_mm) / s.step_mm) + 2;
-  const LightLaw law = lawOf(q);
-  s.light.resize(n);
-  s.left.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double share = shareAt(q, peak, static_cast<double>(i) * s.step_mm);
-    s.light[i] = q.open_gray * law.lightAt(share);
-    s.left[i] = share >= 1.0 ? 0.0 : s.light[i];
+/// Light of flanks that differ by width and depth alone, at a fixed step over y >= 0.
+class FlankLight {
+ public:
+  explicit FlankLight(const FlankQuery& q)
+      : step_mm_(q.pixel_mm / kGridPerPx), law_(lawOf(q)), kernel_(kernelOf(q)) {}
+
+  [[nodiscard]] double step_mm() const { return step_mm_; }
+  [[nodiscard]] const LightLaw& law() const { return law_; }
+  [[nodiscard]] const BlurKernel& kernel() const { return kernel_; }
+  /// Without blur; `left_too` gets the light of the board that is left.
+  [[nodiscard]] std::vector<double> at(const FlankQuery& q, double peak, std::vector<double>* left_too) {
+    const auto n = static_cast<std::size_t>((q.half_width_mm + kReachPx * q.pixel_mm) / step_mm_) + 2;
+    std::vector<double> light;
+    light.reserve(n);
+    if (left_too != nullptr) left_too->reserve(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double share = shareAt(q, peak, i);
+      light.push_back(q.open_gray * law_.lightAt(share));
+      if (left_too != nullptr) left_too->push_back(share >= 1.0 ? 0.0 : light.back());
+    }
+    return light;
   }
-  s.even = blurred(s.light, 1.0, sigmaSteps(q));
-  return s;
-}
+
+ private:
+  static BlurKernel kernelOf(const FlankQuery& q) {
+    const double sigma = std::hypot(q.lens_px, kSplinePx) * kGridPerPx;
+    return {sigma, static_cast<int>(std::ceil(4.0 * sigma))};
+  }
+  double shareAt(const FlankQuery& q, double peak, std::size_t i) {
+    const auto y_mm = [&](std::size_t k) { return static_cast<double>(k) * step_mm_; };
+    if (!(q.beam_radius_mm > 0.0)) return hardShareAt(q, peak, y_mm(i));
+    while (beam_.size() <= i) beam_.push_back(beamAt(q, y_mm(beam_.size())));
+    return peak * beam_[i];
+  }
+
+  double step_mm_;
+  LightLaw law_;
+  BlurKernel kernel_;
+  std::vector<double> beam_;  ///< Fluence over that of the peak.
+};
 
 /// Where a profile that falls from its middle outwards is down to a level.
-double halfWidthAt(const std::vector<double>& profile, double level, double step_mm) {
+template <typename Profile>
+double halfWidthAt(Profile& profile, double level, double step_mm) {
   std::size_t i = 1;
   while (i + 1 < profile.size() && profile[i] > level) ++i;
   const double fall = profile[i - 1] - profile[i];
@@ -180,16 +187,18 @@ FlankFall fallOf(const FlankQuery& seen) {
   const auto levelAt = [&](double share) {
     return query.board_gray + share * (query.top_gray - query.board_gray);
   };
+  FlankLight flank(seen);
   FlankFall fall{seen.half_width_mm, seen.half_width_mm, seen.half_width_mm, seen.half_width_mm};
   double peak = 0.0;
   for (int i = 0; i < 4; ++i) {
     // How deep a shallow one is does not depend on its width.
-    if (i == 0 || isOpen(query)) peak = peakShare(query, lawOf(query));
-    const Shapes s = shapesOf(query, peak);
-    fall.light_mm = halfWidthAt(s.light, 0.5 * (s.light.front() + query.board_gray), s.step_mm);
-    fall.low_mm = halfWidthAt(s.even, levelAt(0.25), s.step_mm);
-    fall.high_mm = halfWidthAt(s.even, levelAt(0.75), s.step_mm);
-    fall.half_mm = halfWidthAt(s.even, levelAt(0.5), s.step_mm);
+    if (i == 0 || isOpen(query)) peak = peakShare(query, flank.law());
+    const std::vector<double> light = flank.at(query, peak, nullptr);
+    BlurredProfile even = blurred(light, 1.0, flank.kernel());
+    fall.light_mm = halfWidthAt(light, 0.5 * (light.front() + query.board_gray), flank.step_mm());
+    fall.low_mm = halfWidthAt(even, levelAt(0.25), flank.step_mm());
+    fall.high_mm = halfWidthAt(even, levelAt(0.75), flank.step_mm());
+    fall.half_mm = halfWidthAt(even, levelAt(0.5), flank.step_mm());
     const double error_mm = fall.half_mm - seen.half_width_mm;
     query.half_width_mm = std::max(query.half_width_mm - error_mm, 0.2 * query.pixel_mm);
   }
@@ -203,20 +212,27 @@ FlankModel::FlankModel(const FlankQuery& query) {
   if (!sane) return;
   FlankQuery scorched = query;
   scorched.lens_px *= kScorchBlur;
-  const Shapes s = shapesOf(scorched, peakShare(scorched, lawOf(scorched)));
+  FlankLight flank(scorched);
+  const double step_mm = flank.step_mm();
+  std::vector<double> left;
+  const std::vector<double> light = flank.at(scorched, peakShare(scorched, flank.law()), &left);
+  BlurredProfile even = blurred(light, 1.0, flank.kernel());
+  const auto evenSlope = [&](double y_mm) {
+    return (at(even, y_mm / step_mm + 1.0) - at(even, y_mm / step_mm - 1.0)) / (2.0 * step_mm);
+  };
   // Where the blurred profile is half way down.
-  const double level = 0.5 * (s.even.front() + query.board_gray);
-  std::size_t flank = 1;
-  while (flank + 2 < s.even.size() && s.even[flank] > level) ++flank;
-  const double f_mm = static_cast<double>(flank) * s.step_mm;
-  const double slope = s.evenSlope(f_mm);
+  const double level = 0.5 * (even[0] + query.board_gray);
+  std::size_t half = 1;
+  while (half + 2 < even.size() && even[half] > level) ++half;
+  const double f_mm = static_cast<double>(half) * step_mm;
+  const double slope = evenSlope(f_mm);
   if (!(slope < 0.0)) return;
   // Scorch that takes a share k more on the left than on the right: half of that each way.
-  const std::vector<double> burnt = blurred(s.left, -1.0, sigmaSteps(scorched));
-  const auto asymmetry = [&](double y_mm) { return -0.5 * Shapes::at(burnt, y_mm / s.step_mm); };
+  BlurredProfile burnt = blurred(left, -1.0, flank.kernel());
+  const auto asymmetry = [&](double y_mm) { return -0.5 * at(burnt, y_mm / step_mm); };
   const double shift_mm = -asymmetry(f_mm) / slope;
   const double beside_mm = f_mm + kBesidePx * query.pixel_mm;
-  const double odd_gray = 2.0 * (asymmetry(beside_mm) + shift_mm * s.evenSlope(beside_mm));
+  const double odd_gray = 2.0 * (asymmetry(beside_mm) + shift_mm * evenSlope(beside_mm));
   if (std::abs(odd_gray) > kLeastOdd * query.board_gray) gain_mm_ = shift_mm / odd_gray;
   widening_mm_ = 2.0 * (query.half_width_mm - fallOf(query).light_mm);
 }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "hil/vision/kerf/kerf_blur.h"
 #include "hil/vision/kerf/light_law.h"
 
 namespace kerfbench::vision {
@@ -32,17 +33,28 @@ class KerfOutline {
   [[nodiscard]] double reachMm(double strip_mm) const;
 
  private:
-  [[nodiscard]] double shareAt(double beyond_mm, double beside_mm) const;
+  /// Brightness of the middle of a straight kerf, by the share of the fluence there.
+  class Middle {
+   public:
+    explicit Middle(const KerfLook& look);
+    [[nodiscard]] double grayAt(double peak, const KerfOutline& outline) const;
+
+   private:
+    std::vector<double> weights_, beam_;
+    double weight_{};
+  };
+
+  /// The share in the middle of the path that makes the kerf look as it does.
+  [[nodiscard]] double fittedPeak() const;
   [[nodiscard]] int samplesOfLook() const;
   [[nodiscard]] double grayAt(double share) const;
-  /// Brightness of the middle of a straight kerf.
-  [[nodiscard]] double seenTop(double peak) const;
   /// Half width of a profile that falls outwards, blurred: where it crosses half way.
   [[nodiscard]] double fallMm(const std::vector<double>& gray, double first_mm) const;
 
   KerfLook look_;
   LightLaw law_;
   double step_mm_;
+  BlurKernel kernel_;
   double peak_share_{1.0};
 };
 

@@ -29,11 +29,12 @@ class LightLaw {
         begin_(std::clamp(growth.begin, 0.0, kLatest)),
         log_t_(std::log(std::clamp(transmission, kLeast, kMost))) {
     if (std::abs(law_) > kBeer) grow_ = std::expm1(-law_ * log_t_);
+    through_whole_ = lightThrough(1.0);
   }
   [[nodiscard]] double lightAt(double share) const {
     const double left = std::clamp((1.0 - share) / (1.0 - begin_), 0.0, 1.0);
-    if (std::abs(law_) <= kBeer) return std::exp(log_t_ * left);
-    return std::exp(-std::log1p(left * grow_) / law_);
+    if (left <= 0.0) return 1.0;
+    return left >= 1.0 ? through_whole_ : lightThrough(left);
   }
   /// The share at which so much light comes through, the inverse of lightAt().
   [[nodiscard]] double shareAt(double light) const {
@@ -47,10 +48,16 @@ class LightLaw {
   static constexpr double kLeast = 1e-6;
   static constexpr double kMost = 0.99;
   static constexpr double kLatest = 0.9;
+  [[nodiscard]] double lightThrough(double left) const {
+    if (std::abs(law_) <= kBeer) return std::exp(log_t_ * left);
+    return std::exp(-std::log1p(left * grow_) / law_);
+  }
+
   double law_;
   double begin_;
   double log_t_;
   double grow_{};
+  double through_whole_{};
 };
 
 /// LightLaw::lightAt() from a table, for pictures of many places.
