@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "hil/vision/kerf/kerf_pictures.h"
+#include "hil/vision/kerf/bright_places.h"
 #include "twin/base/image.h"
 #include "twin/base/symmetric_eigen.h"
 
