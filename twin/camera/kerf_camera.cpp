@@ -22,7 +22,9 @@ using Eigen::Vector2d;
 
 constexpr int kKerfBlockPx = 16;
 constexpr double kSampleMm = 0.0145;  // Supersampling pitch: finer than the spline's cells.
-constexpr double kMaxPsfPx = 2.0;     // The blur must not reach beyond the next block.
+constexpr int kMostSamples = 8;       // Samples per pixel, each way.
+static_assert(kKerfBlockPx * kMostSamples <= kMostInRow);
+constexpr double kMaxPsfPx = 2.0;  // The blur must not reach beyond the next block.
 constexpr double kFarMm = 1e6;
 // Ways through the board, in cells of the spline: below the first a line of sight counts as square to the
 // sheet (0.02 um), and one slice is no longer than the second, a quarter of the spline's cell.
@@ -72,7 +74,7 @@ struct KerfCamera::Model {
   bool renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV, std::size_t bx, std::size_t by,
                    std::vector<float>& light) const;
   template <class Painter>
-  void paint(const PlaneGrid::Block& block, const PlanePatch& patch, const Painter& painter,
+  void paint(const PlaneGrid::Block& block, const PlanePatch& patch, Painter painter,
              std::vector<float>& light) const;
   void setSight(const Eigen::Isometry2d& X_NV, TileJob& job) const;
   /// Number of slices that a block's lines of sight are followed in; the box grows by where they lead.
@@ -98,7 +100,7 @@ KerfCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& pr
       grid(projection, camera_.width_px, camera_.height_px, kKerfBlockPx),
       shading(camera_) {
   mm_per_px = 1.0 / std::sqrt(std::abs(projection.jacobianAt(field.inscribed.center()).determinant()));
-  samples_per_px = std::clamp(static_cast<int>(std::ceil(mm_per_px / kSampleMm)), 3, 8);
+  samples_per_px = std::clamp(static_cast<int>(std::ceil(mm_per_px / kSampleMm)), 3, kMostSamples);
   if (camera.texture.grain_gray > 0.0)
     grain.emplace(camera.board_seed, kKerfGrainStream, camera.texture.grain_length_mm);
 }
@@ -204,13 +206,18 @@ bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV,
 }
 
 template <class Painter>
-void KerfCamera::Model::paint(const PlaneGrid::Block& block, const PlanePatch& patch, const Painter& painter,
+void KerfCamera::Model::paint(const PlaneGrid::Block& block, const PlanePatch& patch, Painter painter,
                               std::vector<float>& light) const {
   const int samples = samples_per_px;
   const int width = block.x1 - block.x0;
   const int height = block.y1 - block.y0;
   const float share = 1.0F / static_cast<float>(samples * samples);
+  SampleRow row{static_cast<std::size_t>(width * samples), {}, {}};
+  RowValues across;  // Places of the samples across the block.
   const float step = 1.0F / static_cast<float>(width * samples);
+  float s = 0.5F * step;
+  for (std::size_t i = 0; i < row.count; ++i, s += step) across[i] = s;
+  RowValues gray;
   for (int y = 0; y < height; ++y) {
     float* const line = light.data() + static_cast<std::ptrdiff_t>(block.y0 + y) * camera.width_px + block.x0;
     std::fill_n(line, width, 0.0F);
@@ -219,14 +226,15 @@ void KerfCamera::Model::paint(const PlaneGrid::Block& block, const PlanePatch& p
       const Eigen::Vector2f c0 = (patch.alongRow(t, 0) - painter.origin()).template cast<float>();
       const Eigen::Vector2f c1 = patch.alongRow(t, 1).cast<float>();
       const Eigen::Vector2f c2 = patch.alongRow(t, 2).cast<float>();
-      float s = 0.5F * step;
+      for (std::size_t i = 0; i < row.count; ++i) {
+        row.x[i] = c0.x() + across[i] * (c1.x() + across[i] * c2.x());
+        row.y[i] = c0.y() + across[i] * (c1.y() + across[i] * c2.y());
+      }
+      painter.paint(row, gray);
+      const float* sample = gray.data();
       for (int x = 0; x < width; ++x) {
         float sum = 0.0F;
-        for (int sub_x = 0; sub_x < samples; ++sub_x, s += step) {
-          const float px = c0.x() + s * (c1.x() + s * c2.x());
-          const float py = c0.y() + s * (c1.y() + s * c2.y());
-          sum += painter.at(px, py);
-        }
+        for (int sub_x = 0; sub_x < samples; ++sub_x) sum += *sample++;
         line[x] += sum * share;
       }
     }

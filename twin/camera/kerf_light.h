@@ -4,13 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "twin/camera/board_field.h"
 #include "twin/camera/camera.h"
+#include "twin/camera/spline_row.h"
 #include "twin/camera/spline_weights.h"
 #include "twin/sheet/sheet.h"
 
@@ -206,15 +210,20 @@ struct TileJob {
   std::optional<ObliqueSight> oblique;
 };
 
-/// Grey levels of the places of one block.
+/// Places of a picture's samples in one row of a block; they count from the first node of the burn's window.
+struct SampleRow {
+  std::size_t count{};
+  RowValues x, y;
+};
+
+/// Grey levels of the places of one block, row by row.
 template <bool kScorched, bool kRough, bool kOblique>
 class BlockPainter {
  public:
   BlockPainter(const TileJob& job, const SplineWeightTable& weights, bool burnt, double sample_nodes)
       : job_(job),
         weights_(weights),
-        burn_(burnt ? job.burn.nodes.data() : nullptr),
-        columns_(static_cast<std::size_t>(job.burn.columns)),
+        burn_{burnt ? job.burn.nodes.data() : nullptr, job.burn.columns},
         share_per_fluence_(job.share_per_fluence),
         sample_nodes_(sample_nodes) {
     const double x = job.burn.column - job.scorch.shift_nodes.x() - job.charred.column;
@@ -235,90 +244,106 @@ class BlockPainter {
     }
   }
   [[nodiscard]] Eigen::Vector2d origin() const { return {job_.burn.column, job_.burn.row}; }
-  /// Grey of a place that counts from the first node of the burn's window.
-  [[nodiscard]] float at(float x, float y) const {
-    if constexpr (kRough) {
-      const Eigen::Vector2f off = displacement(x, y);
-      return grayOf(x, y, x + off.x(), y + off.y());
+
+  /// Grey levels by print and scorch at the places of a row, and by depth at places near them.
+  void paint(const SampleRow& row, RowValues& gray) {
+    findBurnt(row);
+    if constexpr (kScorched) open_.fill(0.0F);
+    if constexpr (kOblique) {
+      followSight();
     } else {
-      return grayOf(x, y, x, y);
+      readShares();
     }
+    const ShareTable& board = kOblique ? job_.oblique->board : job_.board;
+    std::fill_n(gray.begin(), row.count, board.at(kWhole));
+    for (std::size_t k = 0; k < burnt_.count; ++k) gray[burnt_.place[k]] = board.at(light_[k]);
+    if (!job_.near.empty()) print(row, gray);
+    if constexpr (kScorched) scorch(row, gray);
   }
 
  private:
-  /// Grey from print and scorch at a place and from depth at another place near it.
-  [[nodiscard]] float grayOf(float x, float y, float depth_x, float depth_y) const {
-    if constexpr (kOblique) {
-      const Passage way = isWhole(depth_x, depth_y) ? Passage{} : passage(depth_x, depth_y);
-      const float gray =
-          printed(job_.oblique->board.at(way.left), x, y, [&] { return job_.oblique->print.at(way.left); });
-      if constexpr (kScorched) return scorched(gray, way.open, x, y);
-      return gray;
-    }
-    const float share = isWhole(depth_x, depth_y) ? 0.0F : shareAt(depth_x, depth_y);
-    const float gray = printed(job_.board.at(share), x, y, [&] { return job_.print.at(share); });
-    if constexpr (kScorched) {
-      const bool whole = !(share > kSurelyWhole);
-      return scorched(gray, whole ? 0.0F : through(share, Around(burn_, columns_, depth_x, depth_y)), x, y);
-    }
-    return gray;
-  }
-
-  /// Grey with the print over it; `under_print()` is that of printed board.
-  template <class Gray>
-  [[nodiscard]] float printed(float gray, float x, float y, const Gray& under_print) const {
-    for (const PrintShape& shape : job_.near) {
-      const double outside =
-          shape.outside(static_cast<double>(x) + job_.burn.column, static_cast<double>(y) + job_.burn.row) /
-          sample_nodes_;
-      const auto covered = static_cast<float>(std::clamp(0.5 - outside, 0.0, 1.0));
-      gray += covered * shape.ink * (under_print() - gray);
-    }
-    return gray;
-  }
-
-  [[nodiscard]] bool isWhole(float x, float y) const {
-    return burn_ == nullptr || job_.burn.whole[job_.burn.cellOf(x, y)] != 0;
-  }
-  [[nodiscard]] float shareAt(float x, float y) const {
-    return share_per_fluence_ * fluence(Around(burn_, columns_, x, y));
-  }
-
-  /// A line of sight through the board.
-  struct Passage {
-    float left{1.0F};  ///< Share of the thickness that it goes through board.
-    float open{};      ///< Share of the sample around it that meets no board at all; with scorch alone.
+  /// Places of a row where board may be missing, and where their depth is read.
+  struct Burnt {
+    std::size_t count{};
+    std::array<std::uint8_t, kMostInRow> place;
+    RowValues x, y;
   };
-  /// The burn is deep from the face that the line enters by: board is met below it. Depth is taken as
-  /// straight between slices, so the share is exact where walls are.
-  [[nodiscard]] Passage passage(float x, float y) const {
+
+  void findBurnt(const SampleRow& row) {
+    burnt_.count = 0;
+    if (burn_.first == nullptr) return;
+    for (std::size_t i = 0; i < row.count; ++i) {
+      float x = row.x[i];
+      float y = row.y[i];
+      if constexpr (kRough) {
+        const Eigen::Vector2f off = displacement(x, y);
+        x += off.x();
+        y += off.y();
+      }
+      const std::size_t k = burnt_.count;
+      burnt_.place[k] = static_cast<std::uint8_t>(i);
+      burnt_.x[k] = x;
+      burnt_.y[k] = y;
+      burnt_.count += job_.burn.whole[job_.burn.cellOf(x, y)] != 0 ? 0U : 1U;
+    }
+  }
+
+  /// Lays the print over a row.
+  void print(const SampleRow& row, RowValues& gray) const {
+    const ShareTable& print = kOblique ? job_.oblique->print : job_.print;
+    RowValues printed;
+    std::fill_n(printed.begin(), row.count, print.at(kWhole));
+    for (std::size_t k = 0; k < burnt_.count; ++k) printed[burnt_.place[k]] = print.at(light_[k]);
+    for (const PrintShape& shape : job_.near) {
+      for (std::size_t i = 0; i < row.count; ++i) {
+        const double x = static_cast<double>(row.x[i]) + job_.burn.column;
+        const double y = static_cast<double>(row.y[i]) + job_.burn.row;
+        const auto covered =
+            static_cast<float>(std::clamp(0.5 - shape.outside(x, y) / sample_nodes_, 0.0, 1.0));
+        gray[i] += covered * shape.ink * (printed[i] - gray[i]);
+      }
+    }
+  }
+
+  /// Shares of the fluence that cuts.
+  void sharesAt(const RowValues& x, const RowValues& y, RowValues& shares) const {
+    splineValues(burn_, weights_, x, y, burnt_.count, shares);
+    for (std::size_t k = 0; k < burnt_.count; ++k) shares[k] = share_per_fluence_ * shares[k];
+  }
+
+  void readShares() {
+    sharesAt(burnt_.x, burnt_.y, light_);
+    if constexpr (kScorched) {
+      for (std::size_t k = 0; k < burnt_.count; ++k)
+        open_[burnt_.place[k]] = openAt(light_[k], burnt_.x[k], burnt_.y[k]);
+    }
+  }
+
+  /// Follows the lines of sight through the board. The burn is deep from the face that they enter by: board
+  /// is met below it. Depth is taken as straight between slices, so the share is exact where walls are.
+  void followSight() {
     const ObliqueSight& sight = *job_.oblique;
-    const float step_x = slice_at_origin_.x() + slice_per_node_ * x;
-    const float step_y = slice_at_origin_.y() + slice_per_node_ * y;
-    Passage way{.left = 0.0F, .open = 1.0F};
-    float above = 0.0F;  // How far the line is within the board, in thicknesses; < 0 within the burn.
+    const std::size_t count = burnt_.count;
+    RowValues x, y, shares;
+    RowValues above, within;  // How far a line is within the board, in thicknesses; < 0 within the burn.
+    std::fill_n(light_.begin(), count, 0.0F);
     for (int i = 0; i <= sight.slices; ++i) {
       const auto down = static_cast<float>(i);
-      const float at_x = x + down * step_x;
-      const float at_y = y + down * step_y;
-      const float share = shareAt(at_x, at_y);
-      const float within = down * per_slice_ - sight.depth.at(share);
-      if (i > 0) way.left += per_slice_ * positiveShare(above, within);
-      above = within;
+      for (std::size_t k = 0; k < count; ++k) {
+        x[k] = burnt_.x[k] + down * (slice_at_origin_.x() + slice_per_node_ * burnt_.x[k]);
+        y[k] = burnt_.y[k] + down * (slice_at_origin_.y() + slice_per_node_ * burnt_.y[k]);
+      }
+      sharesAt(x, y, shares);
+      for (std::size_t k = 0; k < count; ++k) within[k] = down * per_slice_ - sight.depth.at(shares[k]);
+      if (i > 0) addAboveZero(above, within, per_slice_, count, light_);
+      std::swap(above, within);
       if constexpr (kScorched) {
-        if (way.open > 0.0F) {
-          const bool whole = !(share > kSurelyWhole);
-          way.open = whole ? 0.0F : std::min(way.open, through(share, Around(burn_, columns_, at_x, at_y)));
+        for (std::size_t k = 0; k < count; ++k) {
+          float& open = open_[burnt_.place[k]];
+          if (i == 0 || open > 0.0F) open = std::min(i == 0 ? 1.0F : open, openAt(shares[k], x[k], y[k]));
         }
       }
     }
-    return way;
-  }
-  /// Share of the way from `from` to `to`, a straight line, on which it is above zero.
-  static float positiveShare(float from, float to) {
-    if (from <= 0.0F && to <= 0.0F) return 0.0F;
-    if (from >= 0.0F && to >= 0.0F) return 1.0F;
-    return std::max(from, to) / std::abs(to - from);
   }
 
   [[nodiscard]] Eigen::Vector2f displacement(float x, float y) const {
@@ -330,22 +355,26 @@ class BlockPainter {
                                              rough.window_y.at(field_x, field_y, weights_));
   }
 
-  [[nodiscard]] float fluence(const Around& place) const {
-    return splineValue(place.nodes, place.stride, weights_.at(place.x), weights_.at(place.y));
-  }
-
-  /// Grey where scorch darkens what is not `open`.
-  [[nodiscard]] float scorched(float gray, float open, float x, float y) const {
-    const Around cause(job_.charred.nodes.data(), static_cast<std::size_t>(job_.charred.columns),
-                       x + to_charred_x_, y + to_charred_y_);
-    const float scorch = std::clamp(job_.scorch.per_fluence * fluence(cause), 0.0F, 1.0F);
-    const float dark = gray * (1.0F - job_.scorch.darkening * scorch);
-    return dark + open * (job_.open_gray - dark);
+  /// Scorch darkens what is not open.
+  void scorch(const SampleRow& row, RowValues& gray) const {
+    RowValues x, y, fluence;
+    for (std::size_t i = 0; i < row.count; ++i) {
+      x[i] = row.x[i] + to_charred_x_;
+      y[i] = row.y[i] + to_charred_y_;
+    }
+    splineValues({job_.charred.nodes.data(), job_.charred.columns}, weights_, x, y, row.count, fluence);
+    for (std::size_t i = 0; i < row.count; ++i) {
+      const float scorch = std::clamp(job_.scorch.per_fluence * fluence[i], 0.0F, 1.0F);
+      const float dark = gray[i] * (1.0F - job_.scorch.darkening * scorch);
+      gray[i] = dark + open_[i] * (job_.open_gray - dark);
+    }
   }
 
   /// Share of a sample around the place that is cut through. Light jumps where the scorched board ends:
   /// sampled points alone would misplace that edge by up to half a sample.
-  [[nodiscard]] float through(float share, const Around& place) const {
+  [[nodiscard]] float openAt(float share, float at_x, float at_y) const {
+    if (!(share > kSurelyWhole)) return 0.0F;
+    const Around place(burn_.first, static_cast<std::size_t>(burn_.columns), at_x, at_y);
     const float slope_x =
         splineValue(place.nodes, place.stride, splineSlopeWeights(place.x), weights_.at(place.y));
     const float slope_y =
@@ -356,17 +385,23 @@ class BlockPainter {
   }
 
   static constexpr float kSurelyWhole = 0.1F;
+  static constexpr float kWhole = kOblique ? 1.0F : 0.0F;  ///< What whole board has for `light_`.
 
   const TileJob& job_;
   const SplineWeightTable& weights_;
-  const float* burn_;  ///< Null where nothing was burnt.
-  std::size_t columns_;
+  SplineNodes burn_;  ///< Null where nothing was burnt.
   float share_per_fluence_;
   double sample_nodes_;
   Eigen::Vector2f slice_at_origin_{Eigen::Vector2f::Zero()};  ///< Way through a slice from the origin.
   float slice_per_node_{}, per_slice_{};
   float to_field_x_{}, to_field_y_{};
   float to_charred_x_, to_charred_y_;  ///< Shift from the burn's window to that of what scorched it.
+  // Scratch for the row that is painted.
+  Burnt burnt_;
+  /// What the tables of light take, of the burnt places: the share of the fluence that cuts, or, aslant, the
+  /// share of the thickness that is left.
+  RowValues light_;
+  RowValues open_;  ///< Share of the sample around each place that meets no board; with scorch alone.
 };
 
 }  // namespace kerfbench::twin

@@ -16,9 +16,10 @@ class SplineWeightTable {
       storeQuad(&weights_[4 * i], splineWeights((static_cast<float>(i) + 0.5F) / kPlaces));
     }
   }
-  [[nodiscard]] Quad at(float t) const {
-    return loadQuad(weights_.data() + 4 * static_cast<int>(t * static_cast<float>(kPlaces)));
-  }
+  [[nodiscard]] Quad at(float t) const { return of(indexOf(t)); }
+  /// Number of the table's place for t in [0, 1).
+  static int indexOf(float t) { return static_cast<int>(t * static_cast<float>(kPlaces)); }
+  [[nodiscard]] Quad of(int index) const { return loadQuad(weights_.data() + 4 * index); }
 
  private:
   static constexpr std::size_t kPlaces = 1024;
