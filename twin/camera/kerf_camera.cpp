@@ -36,6 +36,7 @@ constexpr std::uint64_t kTileSeed = 0x3a8f05c5d2b17e49ULL;
 /// Copies the window's nodes; nodes whose `effect_nodes` further on lies off the piece are set to zero. False
 /// if there is nothing above `limit_j_mm2`.
 bool fill(Window& window, const TileJob& job, double effect_nodes, double limit_j_mm2) {
+  if (!job.sheet.hasNodes(window.column, window.row, window.columns, window.rows)) return false;
   const auto columns = static_cast<std::size_t>(window.columns);
   window.nodes.resize(columns * static_cast<std::size_t>(window.rows));
   const float largest =

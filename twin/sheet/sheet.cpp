@@ -268,6 +268,15 @@ bool Sheet::below(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& max_S_
   return true;
 }
 
+bool Sheet::hasNodes(int column, int row, int columns, int rows) const {
+  for (int y = floorDiv(row, kTileNodes); y <= floorDiv(row + rows - 1, kTileNodes); ++y) {
+    for (int x = floorDiv(column, kTileNodes); x <= floorDiv(column + columns - 1, kTileNodes); ++x) {
+      if (findTile(x, y) != nullptr) return true;
+    }
+  }
+  return false;
+}
+
 float Sheet::copyNodes(int column, int row, int columns, int rows, std::span<float> out) const {
   if (columns <= 0 || rows <= 0 ||
       out.size() < static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)) {

@@ -82,6 +82,9 @@ class Sheet {
   /// True if the beam has reached web that had been parted off before; what it did there is on neither piece.
   [[nodiscard]] bool beamOnPartedWeb() const { return beam_on_parted_; }
 
+  /// False where no coefficient [column, column + columns) x [row, row + rows) can be other than zero,
+  /// because no beam came near.
+  [[nodiscard]] bool hasNodes(int column, int row, int columns, int rows) const;
   /// Copies the spline's coefficients [column, column + columns) x [row, row + rows), row-major, into `out`
   /// (columns * rows values, J/mm²) and returns the largest: no fluence between them is higher.
   float copyNodes(int column, int row, int columns, int rows, std::span<float> out) const;
