@@ -12,15 +12,22 @@
 
 #include "hil/base/parallel.h"
 #include "hil/inspect/deviation/error_model.h"
+#include "hil/inspect/deviation/exponentials.h"
 #include "hil/inspect/deviation/largest_of_all.h"
 #include "hil/inspect/deviation/normal_cdf.h"
 
 namespace kerfbench::inspect {
 namespace {
 
-constexpr double kFar = 6.5;       // Sigmas: no value comes so far.
-constexpr std::size_t kSteps = 8;  // Steps of the integral over the angle.
-constexpr int kGrid = 160;         // Points of the distribution.
+constexpr double kFar = 6.5;                   // Sigmas: no value comes so far.
+constexpr std::size_t kSteps = kExponentials;  // Steps of the integral over the angle.
+constexpr int kGrid = 160;                     // Points of the distribution.
+
+/// A standard normal value that is asked about, and the chance to lie below it.
+struct Quantile {
+  explicit Quantile(double z_) : z(z_), below(normalCdf(z_)) {}
+  double z, below;
+};
 
 /// P(Z1 <= a, Z2 > b) of normal values of correlation cos(angle).
 class Crossing {
@@ -32,11 +39,14 @@ class Crossing {
       per_square_[k] = 0.5 / (std::sin(t) * std::sin(t));
     }
   }
-  [[nodiscard]] double chance(double a, double b) const {
-    double sum = 0.0;
+  [[nodiscard]] double chance(const Quantile& a, const Quantile& b) const {
+    std::array<double, kSteps> density{};
     for (std::size_t k = 0; k < kSteps; ++k)
-      sum += std::exp(-(a * a + b * b - 2.0 * a * b * cosine_[k]) * per_square_[k]);
-    return normalCdf(a) - normalCdf(std::min(a, b)) + sum * weight_;
+      density[k] = -(a.z * a.z + b.z * b.z - 2.0 * a.z * b.z * cosine_[k]) * per_square_[k];
+    toExponentials(density);
+    double sum = 0.0;
+    for (const double d : density) sum += d;
+    return std::max(a.below - b.below, 0.0) + sum * weight_;
   }
 
  private:
@@ -53,16 +63,6 @@ struct Side {
   const ExtremePoint* point;
   double height_before, sigma_before;  ///< Height and noise of the point before.
 };
-
-/// -log of the chance that this point stays below w, given that the one before does.
-double hazard(const Side& s, double w) {
-  const double z = (w - s.height) / s.sigma;
-  if (z > kFar) return 0.0;
-  if (s.first) return -std::log(std::max(normalCdf(z), 1e-12));
-  const double before = (w - s.height_before) / s.sigma_before;
-  const double share = s.with_before.chance(before, z) / std::max(normalCdf(before), 1e-12);
-  return -std::log1p(-std::clamp(share, 0.0, 1.0 - 1e-9));
-}
 
 std::vector<Side> sidesOf(const std::vector<ExtremePoint>& points, double sign, double least) {
   std::vector<Side> sides;
@@ -84,12 +84,36 @@ std::vector<Side> sidesOf(const std::vector<ExtremePoint>& points, double sign, 
   return sides;
 }
 
+/// Goes through the points of a line for one height w, in their order.
+class Hazards {
+ public:
+  explicit Hazards(double w) : w_(w) {}
+
+  /// -log of the chance that this point stays below w, given that the one before does.
+  [[nodiscard]] double next(const Side& s) {
+    const double z = (w_ - s.height) / s.sigma;
+    const std::optional<Quantile> before = std::exchange(last_, std::nullopt);
+    if (z > kFar) return 0.0;
+    last_.emplace(z);
+    if (s.first) return -std::log(std::max(last_->below, kLeast));
+    const Quantile below = before ? *before : Quantile((w_ - s.height_before) / s.sigma_before);
+    const double share = s.with_before.chance(below, *last_) / std::max(below.below, kLeast);
+    return -std::log1p(-std::clamp(share, 0.0, 1.0 - 1e-9));
+  }
+
+ private:
+  static constexpr double kLeast = 1e-12;
+  double w_;
+  std::optional<Quantile> last_;  ///< The last point, unless it lies far below.
+};
+
 /// Sum over all points, or some sum beyond which no chance is left.
 double totalHazard(const std::vector<Side>& sides, double w) {
   constexpr double kCertain = 60.0;
+  Hazards hazards(w);
   double sum = 0.0;
   for (const Side& s : sides) {
-    sum += hazard(s, w);
+    sum += hazards.next(s);
     if (sum > kCertain) break;
   }
   return sum;
@@ -164,7 +188,8 @@ std::optional<Largest> farthestToSide(const ExtremeLine& line, double sign, doub
   }
   const double total = std::max(totalHazard(sides, median), 1e-300);
   Eigen::RowVectorXd shared = Eigen::RowVectorXd::Zero(line.points.front().shared.size());
-  for (const Side& s : sides) shared += sign * hazard(s, median) / total * s.point->shared;
+  Hazards hazards(median);
+  for (const Side& s : sides) shared += sign * hazards.next(s) / total * s.point->shared;
   return Largest{mean, std::max(square - mean * mean, 0.0) + shared.squaredNorm(),
                  index.spread(line, shared)};
 }

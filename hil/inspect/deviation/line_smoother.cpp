@@ -31,6 +31,7 @@ KERFBENCH_WIDE void addWeighted(const double* weight, std::size_t count, const L
 }  // namespace
 
 const LineSmoother::Kernel& LineSmoother::Kernels::kernelFor(double q, std::size_t left, std::size_t right) {
+  const std::scoped_lock lock(mutex_);
   const auto [at, is_new] = kernels_.try_emplace({q, left, right});
   Kernel& kernel = at->second;
   if (!is_new) return kernel;
@@ -38,17 +39,19 @@ const LineSmoother::Kernel& LineSmoother::Kernels::kernelFor(double q, std::size
   kernel.weight = {1.0};
   if (n == 1) return kernel;
   Eigen::MatrixX3d A(n, 3);
-  Eigen::MatrixXd R(n, n);
   for (Eigen::Index j = 0; j < n; ++j) {
     const double x = (static_cast<double>(j) - static_cast<double>(left)) / static_cast<double>(n);
     A.row(j) << 1.0, x, x * x;
-    for (Eigen::Index k = 0; k < n; ++k) R(j, k) = std::pow(q, std::abs(static_cast<double>(j - k)));
   }
   const Eigen::Matrix3Xd solve = (A.transpose() * A).ldlt().solve(A.transpose());
   const Eigen::VectorXd weights = solve.row(0);
   kernel.weight.assign(weights.begin(), weights.end());
   kernel.rest = Eigen::MatrixXd::Identity(n, n) - A * solve;
-  kernel.expected_rest = (kernel.rest * R * kernel.rest.transpose()).trace() / static_cast<double>(n);
+  // The trace of rest R rest^T, R being the correlations q^|j - k|: the rest's own rest is itself.
+  double correlation = 1.0;
+  for (Eigen::Index apart = 0; apart < n; ++apart, correlation *= q)
+    kernel.expected_rest += (apart == 0 ? 1.0 : 2.0) * correlation * kernel.rest.diagonal(apart).sum();
+  kernel.expected_rest /= static_cast<double>(n);
   return kernel;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <tuple>
 #include <vector>
 
@@ -74,12 +75,14 @@ class LineSmoother {
 };
 
 /// Kernels by the correlation of neighbours' noise and the readings on either side, made when they are asked
-/// for first: a third of a megabyte for a line, and the same for all lines with readings as dense.
+/// for first: a third of a megabyte for a line, and the same for all lines with readings as dense. Several
+/// threads may ask.
 class LineSmoother::Kernels {
  public:
   const Kernel& kernelFor(double q, std::size_t left, std::size_t right);
 
  private:
+  std::mutex mutex_;
   std::map<std::tuple<double, std::size_t, std::size_t>, Kernel> kernels_;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "hil/base/parallel.h"
@@ -232,6 +233,18 @@ class Batch {
   std::vector<Draws> camera_;
 };
 
+std::vector<SimulatedLine> simulatedLines(const ErrorModel& model, const std::vector<LineKind>& kinds,
+                                          int threads) {
+  const auto kernels = std::make_shared<LineSmoother::Kernels>();
+  std::vector<std::optional<SimulatedLine>> made(model.lines.size());
+  base::forEachIndex(made.size(), threads,
+                     [&](std::size_t l) { made[l].emplace(model.lines[l], kinds[l], kernels); });
+  std::vector<SimulatedLine> lines;
+  lines.reserve(made.size());
+  for (std::optional<SimulatedLine>& line : made) lines.push_back(std::move(*line));
+  return lines;
+}
+
 /// What the lines show really and in the likely truth, with room for the draws.
 Tally tallyOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines) {
   Tally tally;
@@ -351,10 +364,7 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all,
 
 DeviationResult measureDeviations(const ErrorModel& model, const std::vector<LineKind>& kinds,
                                   double limit_mm, std::uint64_t seed, int threads) {
-  std::vector<SimulatedLine> lines;
-  lines.reserve(model.lines.size());
-  const auto kernels = std::make_shared<LineSmoother::Kernels>();
-  for (std::size_t l = 0; l < model.lines.size(); ++l) lines.emplace_back(model.lines[l], kinds[l], kernels);
+  std::vector<SimulatedLine> lines = simulatedLines(model, kinds, threads);
   std::vector<std::vector<double>> round(lines.size());
   Tally tally = tallyOf(model, lines);
   simulate(model, lines, seed, threads, tally, round);
