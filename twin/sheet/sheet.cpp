@@ -332,6 +332,7 @@ Sheet::Tile& Sheet::tileFor(int tile_x, int tile_y) {
       entry->second = freshTile();
       tiles_[entry->second].x = tile_x;
       tiles_[entry->second].y = tile_y;
+      occupied_.set(slotOf(tile_x, tile_y));
     }
     recent = {key, entry->second, true};
   }
@@ -358,17 +359,21 @@ Sheet Sheet::part(double x_S_mm) {
     if (is_vacant || (tile.x + 1) * kTile_mm < x_S_mm - kBothKeep_mm) continue;
     piece.tile_index_.emplace(known->first, piece.tiles_.size());
     piece.tiles_.push_back(tile);
+    piece.occupied_.set(slotOf(tile.x, tile.y));
     if (tile.x * kTile_mm <= x_S_mm + kBothKeep_mm) continue;
     tile_index_.erase(known);
     tile = {};
     vacant_.push_back(i);
   }
+  occupied_.reset();
+  for (const auto& [key, tile] : tile_index_) occupied_.set(slotOf(tiles_[tile].x, tiles_[tile].y));
   recent_ = {};
   parted_x_mm_ = std::min(parted_x_mm_, x_S_mm);
   return piece;
 }
 
 const Sheet::Tile* Sheet::findTile(int tile_x, int tile_y) const {
+  if (!occupied_.test(slotOf(tile_x, tile_y))) return nullptr;
   const auto entry = tile_index_.find(keyOf(tile_x, tile_y));
   return entry == tile_index_.end() ? nullptr : &tiles_[entry->second];
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -112,6 +113,10 @@ class Sheet {
   };
 
   static std::uint64_t keyOf(int tile_x, int tile_y);
+  /// Place of a tile in `occupied_`, which many far from each other share.
+  static std::size_t slotOf(int tile_x, int tile_y) {
+    return static_cast<std::size_t>((tile_x & 63) | (tile_y & 63) << 6);
+  }
   Tile& tileFor(int tile_x, int tile_y);
   [[nodiscard]] const Tile* findTile(int tile_x, int tile_y) const;
   std::size_t freshTile();
@@ -133,6 +138,7 @@ class Sheet {
   std::unordered_map<std::uint64_t, std::size_t> tile_index_;
   double parted_x_mm_{std::numeric_limits<double>::infinity()};  ///< Web from here on was parted off.
   bool beam_on_parted_{false};
+  std::bitset<64 * 64> occupied_;    ///< False where no tile is: most of what is asked for, without the hash.
   std::array<Recent, 16> recent_{};  ///< Recently burnt tiles: a cut stays within a few for long.
   SampledBell sampled_;              ///< Scratch of add().
   std::vector<Span> spans_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "hil/vision/kerf/kerf_sampling.h"
@@ -85,15 +86,17 @@ double boardOf(const Profile& profile) {
 std::optional<double> lightAt(const Profile& profile, double across_mm) {
   const auto half = static_cast<float>(kPeakPx * profile.pixel_mm);
   const auto at = static_cast<float>(across_mm);
-  float sum = 0.0F;
-  int count = 0;
+  // Few of the pixels are so near: they are gathered first, without a branch, and added then.
+  static thread_local std::vector<float> near;
+  near.resize(profile.pixels.size() + 1);
+  std::size_t count = 0;
   for (const PixelAcross& pixel : profile.pixels) {
-    const bool near = std::abs(pixel.across_mm - at) <= half;
-    sum += near ? pixel.gray : 0.0F;
-    count += near ? 1 : 0;
+    near[count] = pixel.gray;
+    count += std::abs(pixel.across_mm - at) <= half ? 1U : 0U;
   }
   if (count < 2) return std::nullopt;
-  return static_cast<double>(sum) / count;
+  const float sum = std::accumulate(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), 0.0F);
+  return static_cast<double>(sum) / static_cast<double>(count);
 }
 
 double highest(const Profile& profile, std::size_t first, std::size_t last) {

@@ -96,6 +96,35 @@ struct WindowInPicture {
   double reach_mm{};
 };
 
+/// Part of a row of pixels, in a window along a straight line.
+struct StraightRow {
+  int begin{}, end{};          // First and last column.
+  double along_mm, across_mm;  // Place of column 0.
+  double along_step_mm, across_step_mm;
+  double back_mm, ahead_mm;  // Reach of the window along the line.
+  double per_pixel;          // Pixels per mm.
+};
+
+template <typename Level>
+inline void fillRow(const StraightRow& at, const Level* levels, float factor, PixelAcross* out) {
+  for (int c = at.begin; c <= at.end; ++c) {
+    const double a = at.along_mm + at.along_step_mm * c;
+    const double n = at.across_mm + at.across_step_mm * c;
+    const double share =
+        std::min(std::min(1.0, (a + at.back_mm) * at.per_pixel), (at.ahead_mm - a) * at.per_pixel);
+    out[c - at.begin] = {static_cast<float>(n), static_cast<float>(a), factor * static_cast<float>(levels[c]),
+                         static_cast<float>(share)};
+  }
+}
+KERFBENCH_WIDE void fillStraight(const StraightRow& at, const std::uint8_t* levels, float factor,
+                                 PixelAcross* out) {
+  fillRow(at, levels, factor, out);
+}
+KERFBENCH_WIDE void fillStraight(const StraightRow& at, const std::uint16_t* levels, float factor,
+                                 PixelAcross* out) {
+  fillRow(at, levels, factor, out);
+}
+
 template <typename Level>
 void collect(const Level* levels, double scale, const GrayImage& image, const WindowInPicture& window,
              std::vector<PixelAcross>& out) {
@@ -117,15 +146,26 @@ void collect(const Level* levels, double scale, const GrayImage& image, const Wi
     const int begin = static_cast<int>(std::ceil(first));
     const int end = static_cast<int>(std::floor(last));
     const Level* row = levels + static_cast<std::size_t>(r) * static_cast<std::size_t>(image.width);
+    if (straight) {
+      if (end < begin) continue;
+      const std::size_t first_out = out.size();
+      out.resize(first_out + static_cast<std::size_t>(end - begin + 1));
+      fillStraight({begin, end, at_zero.x(), at_zero.y(), window_from_pixel(0, 0), window_from_pixel(1, 0),
+                    back_mm, ahead_mm, per_pixel},
+                   row, factor, out.data() + first_out);
+      // Shares fall towards the ends of the window, and are nothing there alone.
+      while (out.size() > first_out && !(out.back().share > 0.0F)) out.pop_back();
+      while (out.size() > first_out && !(out[first_out].share > 0.0F))
+        out.erase(out.begin() + static_cast<std::ptrdiff_t>(first_out));
+      continue;
+    }
     for (int c = begin; c <= end; ++c) {
       const double a = at_zero.x() + window_from_pixel(0, 0) * c;
       double n = at_zero.y() + window_from_pixel(1, 0) * c;
       // Distance from the osculating circle, written so that nothing cancels.
-      if (!straight) {
-        const double rest = 1.0 - bend * n;
-        if (rest < kLeastRest) continue;
-        n = (n * (2.0 - bend * n) - bend * a * a) / (1.0 + std::sqrt(rest * rest + bend * bend * a * a));
-      }
+      const double rest = 1.0 - bend * n;
+      if (rest < kLeastRest) continue;
+      n = (n * (2.0 - bend * n) - bend * a * a) / (1.0 + std::sqrt(rest * rest + bend * bend * a * a));
       const double share = std::min({1.0, (a + back_mm) * per_pixel, (ahead_mm - a) * per_pixel});
       if (!(share > 0.0)) continue;
       out.push_back({static_cast<float>(n), static_cast<float>(a), factor * static_cast<float>(row[c]),
