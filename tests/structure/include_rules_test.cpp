@@ -234,4 +234,24 @@ TEST(IncludeRules, OnlyTheChildrenWhoseLibrariesAskForItAreUnderTheGpl) {
   }
 }
 
+/// A function that a header declares without KERFBENCH_WIDE is compiled by clang++ 14 as if it were not
+/// there.
+TEST(IncludeRules, WideFunctionsAreOfOneSource) {
+  std::size_t seen = 0;
+  for (const fs::path& path : sources()) {
+    const std::string name = fs::relative(path, sourceRoot()).string();
+    if (path.extension() != ".cpp" || in(name, "tests/structure")) continue;
+    const std::string text = textOf(path);
+    for (std::size_t at = text.find("KERFBENCH_WIDE "); at != std::string::npos;
+         at = text.find("KERFBENCH_WIDE ", at + 1)) {
+      ++seen;
+      const std::size_t opened = text.rfind("\nnamespace {\n", at);
+      const std::size_t closed = text.rfind("\n}  // namespace\n", at);
+      EXPECT_TRUE(opened != std::string::npos && (closed == std::string::npos || closed < opened))
+          << name << ": " << text.substr(at, text.find('(', at) - at);
+    }
+  }
+  EXPECT_GT(seen, 20U);
+}
+
 }  // namespace

@@ -7,9 +7,11 @@
 #include "twin/base/multiversion.h"
 
 namespace kerfbench::twin {
+namespace {
 
-KERFBENCH_WIDE void splineValues(const SplineNodes& nodes, const SplineWeightTable& weights,
-                                 const RowValues& x, const RowValues& y, std::size_t count, RowValues& out) {
+KERFBENCH_WIDE void fillWithValues(const SplineNodes& nodes, const SplineWeightTable& weights,
+                                   const RowValues& x, const RowValues& y, std::size_t count,
+                                   RowValues& out) {
   // Where the coefficients and the weights of each place begin.
   std::array<int, kMostInRow> node, weights_x, weights_y;
   for (std::size_t i = 0; i < count; ++i) {
@@ -24,8 +26,8 @@ KERFBENCH_WIDE void splineValues(const SplineNodes& nodes, const SplineWeightTab
     out[i] = splineValue(nodes.first + node[i], stride, weights.of(weights_x[i]), weights.of(weights_y[i]));
 }
 
-KERFBENCH_WIDE void addAboveZero(const RowValues& from, const RowValues& to, float length, std::size_t count,
-                                 RowValues& sums) {
+KERFBENCH_WIDE void addParts(const RowValues& from, const RowValues& to, float length, std::size_t count,
+                             RowValues& sums) {
   for (std::size_t i = 0; i < count; ++i) {
     const float a = from[i];
     const float b = to[i];
@@ -34,6 +36,18 @@ KERFBENCH_WIDE void addAboveZero(const RowValues& from, const RowValues& to, flo
     const float crossing = std::max(a, b) / std::abs(b - a);
     sums[i] += length * (below ? 0.0F : above ? 1.0F : crossing);
   }
+}
+
+}  // namespace
+
+void splineValues(const SplineNodes& nodes, const SplineWeightTable& weights, const RowValues& x,
+                  const RowValues& y, std::size_t count, RowValues& out) {
+  fillWithValues(nodes, weights, x, y, count, out);
+}
+
+void addAboveZero(const RowValues& from, const RowValues& to, float length, std::size_t count,
+                  RowValues& sums) {
+  addParts(from, to, length, count, sums);
 }
 
 }  // namespace kerfbench::twin

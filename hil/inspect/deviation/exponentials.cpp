@@ -34,9 +34,7 @@ inline double seriesAt(double r) {
   return even + r * odd;
 }
 
-}  // namespace
-
-KERFBENCH_WIDE void toExponentials(std::array<double, kExponentials>& values) {
+KERFBENCH_WIDE void replaceByExponentials(std::array<double, kExponentials>& values) {
   for (double& value : values) {
     const double x = std::max(value, kDeepest);
     const double shifted = x * std::numbers::log2e + kToWhole;
@@ -47,5 +45,9 @@ KERFBENCH_WIDE void toExponentials(std::array<double, kExponentials>& values) {
     value = power * seriesAt(r);
   }
 }
+
+}  // namespace
+
+void toExponentials(std::array<double, kExponentials>& values) { replaceByExponentials(values); }
 
 }  // namespace kerfbench::inspect

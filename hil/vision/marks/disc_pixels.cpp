@@ -76,9 +76,7 @@ KERFBENCH_WIDE void compareWithRound(const DiscPixels& pixels, const DiscEdge& e
   }
 }
 
-}  // namespace
-
-KERFBENCH_WIDE void addMoments(const DiscPixels& pixels, const GrayRange& range, GrayMoments& sums) {
+KERFBENCH_WIDE void addToMoments(const DiscPixels& pixels, const GrayRange& range, GrayMoments& sums) {
   for (std::size_t first = 0; first < pixels.count; first += kLanes) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const std::size_t i = first + lane;
@@ -104,6 +102,12 @@ KERFBENCH_WIDE void addMoments(const DiscPixels& pixels, const GrayRange& range,
       sums.gray2[lane] += gray * gray;
     }
   }
+}
+
+}  // namespace
+
+void addMoments(const DiscPixels& pixels, const GrayRange& range, GrayMoments& sums) {
+  addToMoments(pixels, range, sums);
 }
 
 void addEdge(const DiscPixels& pixels, const DiscEdge& edge, bool compare, EdgeSums& sums) {
