@@ -87,7 +87,8 @@ RecordedRun ModelMachine::run(source::SignalSource& source, Dialog* dialog, cons
   due_sensors_ = witnessed.due();
   if (hidden_->web) hidden_->web->end(twin);
   if (twin.beamOnPartedWeb())
-    result.problems.emplace_back("the beam went far beyond its field, onto web that had been taken away");
+    result.problems.emplace_back(
+        "the beam reached web that had left the machine: it went far beyond its field, or the belt ran back");
   return result;
 }
 

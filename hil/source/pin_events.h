@@ -16,7 +16,8 @@ namespace kerfbench::source {
 
 /// Events of pins, to be read in order, packed: nearly all take 4 bytes instead of 16, because the machine's
 /// pins change in few ways. What does not fit into memory is in a temporary file (base::SpilledVector), whose
-/// memory is given back behind whoever reads it. Any events are kept as they are, sorted or not.
+/// memory is given back behind whoever reads it. Any events are kept as they are, sorted or not. One that was
+/// moved from may be destroyed or assigned to, and nothing else.
 ///
 /// A word of 32 bits is the code of a change (its port and bits) above the ticks since the event before it.
 /// An event that is further away takes two words; one that is no plain change of known bits takes five.

@@ -34,22 +34,21 @@ constexpr std::uint64_t kKerfGrainStream = 1;
 constexpr std::uint64_t kTileSeed = 0x3a8f05c5d2b17e49ULL;
 
 /// Copies the window's nodes; nodes whose `effect_nodes` further on lies off the piece are set to zero. False
-/// if there is nothing above `limit_j_mm2`.
+/// if nothing that is left is above `limit_j_mm2`: what lies off the piece decides nothing about it.
 bool fill(Window& window, const TileJob& job, double effect_nodes, double limit_j_mm2) {
   if (!job.sheet.hasNodes(window.column, window.row, window.columns, window.rows)) return false;
   const auto columns = static_cast<std::size_t>(window.columns);
   window.nodes.resize(columns * static_cast<std::size_t>(window.rows));
-  const float largest =
-      job.sheet.copyNodes(window.column, window.row, window.columns, window.rows, window.nodes);
-  if (!(largest > static_cast<float>(limit_j_mm2))) return false;
+  float largest = job.sheet.copyNodes(window.column, window.row, window.columns, window.rows, window.nodes);
   const double first = window.column + effect_nodes;
   if (first < job.piece_min_nodes || first + window.columns - 1 > job.piece_max_nodes) {
     for (std::size_t i = 0; i < window.nodes.size(); ++i) {
       const double x = first + static_cast<double>(i % columns);
       if (x < job.piece_min_nodes || x > job.piece_max_nodes) window.nodes[i] = 0.0F;
     }
+    largest = *std::ranges::max_element(window.nodes);
   }
-  return true;
+  return largest > static_cast<float>(limit_j_mm2);
 }
 
 }  // namespace

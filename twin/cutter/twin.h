@@ -57,7 +57,9 @@ class Twin {
   /// (see Burner): the sheet is the same to 1e-3 of its peak, but not to the last bit.
   [[nodiscard]] const Sheet& sheet();
   /// Parts off the web that lies at x >= `x_S_mm` in S of unit 0, see Sheet::part(): web that the beam cannot
-  /// reach any more. Leaves what the machine goes on to burn as it is.
+  /// reach any more. Leaves what the machine goes on to burn as it is. Where the beam reaches it
+  /// nevertheless, what is on the piece depends on the moment of the call, and so on the quanta: see
+  /// beamOnPartedWeb().
   Sheet partWeb(double x_S_mm) { return burner_.part(x_S_mm); }
   /// Whether the beam has reached web that had been parted off.
   [[nodiscard]] bool beamOnPartedWeb() const { return burner_.sheet().beamOnPartedWeb(); }

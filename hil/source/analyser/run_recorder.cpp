@@ -69,7 +69,7 @@ PinRecording RunRecorder::takeRecording(std::uint64_t samplerate_hz, const Cut& 
   recording.stamp_err_ticks = 1;
   recording.end = cut.end;
   if (cut.origin == 0 && cut.start == 0) {
-    recording.outputs = std::move(outputs_);
+    recording.outputs = std::exchange(outputs_, {});
     recording.sensors = std::move(sensors_);
     return recording;
   }

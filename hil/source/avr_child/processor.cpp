@@ -76,7 +76,6 @@ std::uint8_t Processor::readRegister(const Operation* at, Cycle now, std::uint32
   if (!isReadWatched(address)) return data[address];
   const auto& io = avr->io[AVR_DATA_TO_IO(address)];
   place(at, now);
-  avr->run_cycle_count = 1;
   if (io.r.c != nullptr) data[address] = io.r.c(avr, static_cast<avr_io_addr_t>(address), io.r.param);
   if (io.irq != nullptr) tellListeners(io.irq, data[address]);
   watch();
@@ -96,7 +95,6 @@ void Processor::writeRegister(const Operation* at, Cycle now, std::uint32_t addr
   }
   const auto& io = avr->io[AVR_DATA_TO_IO(address)];
   place(at, now);
-  avr->run_cycle_count = 1;
   if (io.w.c != nullptr) {
     io.w.c(avr, static_cast<avr_io_addr_t>(address), value, io.w.param);
   } else {

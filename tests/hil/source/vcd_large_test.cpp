@@ -47,6 +47,7 @@ PinRecording edges(std::size_t count) {
   return recording;
 }
 
+/// Beyond the memory once; events that are spilled several times are PinEvents' own tests and the long one's.
 TEST_F(LargeVcd, ReadsBackToTheSameEvents) {
   const PinRecording recording = edges(2'200'000);
   ASSERT_GT(recording.outputs.bytes(), base::SpilledBytes::kInMemory);
