@@ -43,12 +43,12 @@ camera::TwinTileSource tilesOf(const scenario::Case& test_case, const twin::Mach
 
 camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::MachineDescription& machine,
                                  const twin::Sheet& sheet, camera::TwinTileOptions options) {
-  return tilesOf(test_case, machine, sheet, std::move(options));
+  return tilesOf(test_case, machine, sheet, options);
 }
 
 camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::MachineDescription& machine,
                                  std::shared_ptr<camera::SheetFeed> feed, camera::TwinTileOptions options) {
-  return tilesOf(test_case, machine, std::move(feed), std::move(options));
+  return tilesOf(test_case, machine, std::move(feed), options);
 }
 
 CutSheet cutOnTwin(const scenario::Case& test_case, const std::filesystem::path& bin_dir,
