@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include <fmt/format.h>
+#include <unsupported/Eigen/BVH>
 
 #include "hil/dieline/curve_math.h"
 #include "hil/dieline/geometry.h"
@@ -37,6 +38,42 @@ struct Item {
 
 std::string label(const Item& item) {
   return fmt::format("E{} ({}, {})", item.entity->id, item.entity->origin, processName(item.entity->process));
+}
+
+/// Boxes of items in a tree: whoever looks for those near a place asks few of them.
+class BoxTree {
+ public:
+  BoxTree() = default;
+  explicit BoxTree(const std::vector<Item>& items) {
+    std::vector<std::size_t> indices(items.size());
+    std::iota(indices.begin(), indices.end(), std::size_t{0});
+    std::vector<Eigen::AlignedBox2d> boxes;
+    boxes.reserve(items.size());
+    for (const Item& item : items) boxes.push_back(item.box);
+    tree_.init(indices.begin(), indices.end(), boxes.begin(), boxes.end());
+  }
+  /// Visits items whose boxes touch `box`, and maybe others beside them, in no order, until a visit says
+  /// true; true if one does.
+  template <class Visit>
+  bool any(const Eigen::AlignedBox2d& box, Visit visit) const {
+    struct Near {
+      const Eigen::AlignedBox2d& box;
+      Visit& visit;
+      bool found{false};
+      bool intersectVolume(const Eigen::AlignedBox2d& volume) const { return box.intersects(volume); }
+      bool intersectObject(std::size_t item) { return found = visit(item); }
+    };
+    Near near{box, visit};
+    Eigen::BVIntersect(tree_, near);
+    return near.found;
+  }
+
+ private:
+  Eigen::KdBVH<double, 2, std::size_t> tree_;
+};
+
+Eigen::AlignedBox2d grown(const Eigen::AlignedBox2d& box, double by_mm) {
+  return {box.min() - Vector2d::Constant(by_mm), box.max() + Vector2d::Constant(by_mm)};
 }
 
 /// End points in cells of the gap's size, so that all ends near a point are in 9 cells.
@@ -121,6 +158,7 @@ class Checker {
       for (std::size_t i = 0; i < 5; ++i) item.samples[i] = pointAt(entity.curve, u[i]);
       items_.push_back(std::move(item));
     }
+    if (!items_.empty()) boxes_ = BoxTree(items_);
   }
 
   std::vector<LintFinding> run() {
@@ -146,26 +184,30 @@ class Checker {
     findings_.push_back({kind, is_error, p_mm, item.entity->layer, std::move(message)});
   }
 
-  /// All pairs whose boxes touch, by a sweep along x.
+  /// All pairs whose boxes touch, in order along x.
   void checkPairs() {
     std::vector<std::size_t> order(items_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return items_[a].box.min().x() < items_[b].box.min().x();
     });
+    std::vector<std::size_t> rank(items_.size());
+    for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
+    std::vector<std::size_t> near;
     for (std::size_t i = 0; i < order.size(); ++i) {
       const Item& a = items_[order[i]];
-      for (std::size_t k = i + 1; k < order.size(); ++k) {
-        const Item& b = items_[order[k]];
-        if (b.box.min().x() > a.box.max().x() + kSame_mm) break;
-        if (b.box.min().y() > a.box.max().y() + kSame_mm || b.box.max().y() < a.box.min().y() - kSame_mm)
-          continue;
-        if (a.is_zero || b.is_zero) continue;
-        if (order[i] < order[k]) {
-          checkPair(a, b);
-        } else {
-          checkPair(b, a);
-        }
+      if (a.is_zero) continue;
+      const Eigen::AlignedBox2d touched = grown(a.box, kSame_mm);
+      near.clear();
+      boxes_.any(touched, [&](std::size_t item) {
+        if (rank[item] > i && !items_[item].is_zero && touched.intersects(items_[item].box))
+          near.push_back(rank[item]);
+        return false;
+      });
+      std::sort(near.begin(), near.end());
+      for (const std::size_t k : near) {
+        const auto [first, second] = std::minmax(order[i], order[k]);
+        checkPair(items_[first], items_[second]);
       }
     }
   }
@@ -220,13 +262,12 @@ class Checker {
 
   /// True when the point lies on another entity (a tee joint).
   [[nodiscard]] bool isOnAnother(std::size_t self, const Vector2d& p_mm, bool cuts_only) const {
-    for (std::size_t i = 0; i < items_.size(); ++i) {
-      if (i == self || items_[i].is_zero || (cuts_only && items_[i].entity->process != Process::kCut))
-        continue;
-      if (items_[i].box.squaredExteriorDistance(p_mm) > kMet_mm * kMet_mm) continue;
-      if (nearestOn(items_[i].entity->curve, p_mm).distance_mm <= kMet_mm) return true;
-    }
-    return false;
+    return boxes_.any(grown({p_mm, p_mm}, kMet_mm), [&](std::size_t i) {
+      const Item& item = items_[i];
+      if (i == self || item.is_zero || (cuts_only && item.entity->process != Process::kCut)) return false;
+      return item.box.squaredExteriorDistance(p_mm) <= kMet_mm * kMet_mm &&
+             nearestOn(item.entity->curve, p_mm).distance_mm <= kMet_mm;
+    });
   }
 
   void checkEnds() {
@@ -317,6 +358,7 @@ class Checker {
   }
 
   std::vector<Item> items_;
+  BoxTree boxes_;
   std::unordered_map<std::uint64_t, bool> reported_gaps_;
   std::vector<LintFinding> findings_;
 };

@@ -17,7 +17,7 @@ Curve = collections.namedtuple("Curve", "what unit sizes values")
 Plot = collections.namedtuple("Plot", "name title across curves")
 
 UNITS = (1, 3, 10, 30, 100)
-LINES_READ = (10, 100, 1000, 10000)
+LINES_READ = (10, 100, 1000, 10000, 100000)
 EDGES = (10**5, 10**6, 10**7, 10**8, 10**9)
 BYTES_PER_EDGE = 32  # Of the file, and of what is spilled while it is written and judged, with something to spare.
 LINE_MM = 1.6

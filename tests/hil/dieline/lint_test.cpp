@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <variant>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -166,6 +168,23 @@ TEST(Lint, ASheetOfManyPartsTakesItsTimeOnly) {
   }
   ASSERT_EQ(curves.size(), 10000U);
   EXPECT_TRUE(lintDieline(dielineOf(curves)).empty());
+}
+
+TEST(Lint, AmongManyOpenLinesEachFaultIsFound) {
+  std::vector<Curve> curves;
+  for (int i = 0; i < 150; ++i) {
+    for (int k = 0; k < 150; ++k)
+      curves.emplace_back(LineCurve{{3.0 * i, 3.0 * k}, {3.0 * i, 3.0 * k + 1.6}});
+  }
+  curves.push_back(curves[777]);
+  const auto& touched = std::get<LineCurve>(curves[1234]);
+  const Vector2d middle_mm = 0.5 * (touched.start_mm + touched.end_mm);
+  curves.emplace_back(LineCurve{middle_mm, middle_mm + Vector2d(1, 0)});
+  std::map<Kind, int> found;
+  for (const LintFinding& finding : lintDieline(dielineOf(curves))) ++found[finding.kind];
+  // A line and its copy meet at both ends; of the line that begins on another only one end is loose.
+  EXPECT_THAT(found, testing::ElementsAre(testing::Pair(Kind::kDuplicate, 1),
+                                          testing::Pair(Kind::kOpenOutline, 150 * 150 - 1 + 1)));
 }
 
 }  // namespace
