@@ -50,12 +50,12 @@ KERFBENCH_WIDE void convolve(const float* in, std::ptrdiff_t step, int count, st
   for (int x = 0; x < count; ++x) out[x] = sums[static_cast<std::size_t>(x)];
 }
 
-struct Block {
+struct BlurredBlock {
   int x0, x1, y0, y1;
 };
 
 /// Blocks that are drawn, or have a neighbour that is.
-std::vector<Block> blocksToBlur(const std::vector<int>& edges_x, const std::vector<int>& edges_y,
+std::vector<BlurredBlock> blocksToBlur(const std::vector<int>& edges_x, const std::vector<int>& edges_y,
                                 const std::vector<char>& drawn) {
   const auto columns = static_cast<int>(edges_x.size()) - 1;
   const auto rows = static_cast<int>(edges_y.size()) - 1;
@@ -69,7 +69,7 @@ std::vector<Block> blocksToBlur(const std::vector<int>& edges_x, const std::vect
     }
     return false;
   };
-  std::vector<Block> work;
+  std::vector<BlurredBlock> work;
   for (int by = 0; by < rows; ++by) {
     for (int bx = 0; bx < columns; ++bx) {
       if (!drawnNear(bx, by)) continue;
@@ -102,8 +102,8 @@ GaussianBlur::GaussianBlur(double variance_px2) {
 void GaussianBlur::apply(std::vector<float>& light, int width, int height, const std::vector<int>& edges_x,
                          const std::vector<int>& edges_y, const std::vector<char>& drawn) const {
   if (taps_.size() < 2) return;
-  const std::vector<Block> work = blocksToBlur(edges_x, edges_y, drawn);
-  if (std::ranges::any_of(work, [](const Block& b) { return b.x1 - b.x0 > static_cast<int>(kWidest); }))
+  const std::vector<BlurredBlock> work = blocksToBlur(edges_x, edges_y, drawn);
+  if (std::ranges::any_of(work, [](const BlurredBlock& b) { return b.x1 - b.x0 > static_cast<int>(kWidest); }))
     throw std::invalid_argument("GaussianBlur: a block is too wide");
   const auto index = [width](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
@@ -112,14 +112,14 @@ void GaussianBlur::apply(std::vector<float>& light, int width, int height, const
   // The first pass goes across into `smeared`, the second down and back into `light`. Most of the picture is
   // in neither: its memory is not even touched. Next to a border the nearest pixel stands for those outside.
   const auto smeared = std::make_unique_for_overwrite<float[]>(light.size());
-  for (const Block& block : work) {
+  for (const BlurredBlock& block : work) {
     for (int y = std::max(block.y0 - far, 0); y < std::min(block.y1 + far, height); ++y) {
       for (int x = block.x0; x < block.x1; ++x) smeared[index(x, y)] = light[index(x, y)];
     }
   }
   const int widest = static_cast<int>(kWidest);
   std::vector<float> padded(kWidest + 2 * static_cast<std::size_t>(far));
-  for (const Block& block : work) {
+  for (const BlurredBlock& block : work) {
     const int count = block.x1 - block.x0;
     const bool inside = block.x0 >= far && block.x0 + widest + far <= width;
     for (int y = block.y0; y < block.y1; ++y) {
@@ -133,7 +133,7 @@ void GaussianBlur::apply(std::vector<float>& light, int width, int height, const
     }
   }
   std::vector<float> rows;
-  for (const Block& block : work) {
+  for (const BlurredBlock& block : work) {
     const int count = block.x1 - block.x0;
     const int padded_rows = block.y1 - block.y0 + 2 * far;
     rows.resize(kWidest * static_cast<std::size_t>(padded_rows));
