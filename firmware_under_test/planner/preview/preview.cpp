@@ -137,6 +137,13 @@ void replace(std::string& page, std::string_view what, const std::string& by) {
   if (at != std::string::npos) page.replace(at, what.size(), by);
 }
 
+/// Motion of a job that does not fit: at the belt's speed, or on a resting sheet where the axes are too slow.
+std::optional<UnitPath> nearestMotion(const std::vector<Segment>& path, const JobParameters& job,
+                                      const Axes& axes) {
+  std::optional<UnitPath> unit = planUnit(path, job, axes, speedWhileCutting(job));
+  return unit ? unit : planUnit(path, job, axes, 0.0);
+}
+
 std::string listOf(const CheckResult& checked) {
   std::string items;
   for (const std::string& error : checked.errors) items += "<li>" + base::escapeHtml(error) + "</li>";
@@ -168,8 +175,8 @@ std::string previewHtml(const std::string& title, const std::string& gcode, cons
   }
   const CheckResult checked = checkJob(gcode, machine, job);
   const Axes axes(machine, {});
-  std::optional<UnitPath> unit = planUnit(path, job, axes, speedWhileCutting(job));
-  if (!unit) unit = planUnit(path, job, axes, 0.0);
+  const std::optional<UnitPath> unit =
+      checked.solution ? checked.solution->pathOf(0) : nearestMotion(path, job, axes);
   if (!unit) throw PlanError("the axes allow no motion at all");
   const double v = unit->belt_speed_mm_s;
   const Film film =
