@@ -18,10 +18,10 @@
 #include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_compensate.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_power.h"
+#include "firmware_under_test/planner/kerfplan/kerfplan_strip.h"
 #include "firmware_under_test/planner/order/kerf.h"
 #include "firmware_under_test/planner/preview/preview.h"
 #include "firmware_under_test/planner/program/check.h"
-#include "firmware_under_test/planner/program/cross_cut.h"
 #include "firmware_under_test/planner/program/order_table.h"
 #include "firmware_under_test/planner/program/plan.h"
 #include "firmware_under_test/planner/program/program.h"
@@ -58,7 +58,6 @@ struct Options {
                             .feed_step_mm = 0.0,
                             .full_power_w = 200.0};
   JobParameters job{.cut_energy_j_per_mm = 0.3};
-  double strip_width_mm{800.0};  ///< Width of the strip, for throughput.
 };
 
 bool isGcode(const std::string& path) {
@@ -227,13 +226,6 @@ void addJob(CLI::App& app, JobParameters& j) {
   app.add_flag("--feed", j.feed_by_controller, "The controller drives the belt")->group(group);
 }
 
-planner::CrossCut crossCut(const Options& options, double width_mm) {
-  const MachineParameters& m = options.machine;
-  const JobParameters& j = options.job;
-  return {j.pitch_mm,        width_mm,          m.field_max_mm[0] - m.field_min_mm[0],
-          j.belt_speed_mm_s, j.mark_speed_mm_s, j.jump_speed_mm_s};
-}
-
 /// Adds a command that takes a drawing or G-code.
 CLI::App* jobCommand(CLI::App& app, Options& options, const char* name, const char* help, bool writes) {
   CLI::App* sub = app.add_subcommand(name, help);
@@ -262,20 +254,7 @@ struct Commands {
   const CLI::App* program;
   const CLI::App* preview;
   const CLI::App* order;
-  const CLI::App* throughput;
 };
-
-CLI::App* addThroughput(CLI::App& app, Options& options) {
-  CLI::App* throughput = app.add_subcommand(
-      "throughput",
-      "Compare, for a strip cut to length, feeding and stopping with cutting on the run: limits of head and "
-      "belt, "
-      "time for 1 to 10 000 pieces of --pitch mm at --belt-speed, --mark-speed across, --jump-speed back");
-  throughput->add_option("--width", options.strip_width_mm, "Of the strip, mm")->capture_default_str();
-  addMachine(*throughput, options);
-  addJob(*throughput, options.job);
-  return throughput;
-}
 
 Commands addCommands(CLI::App& app, Options& options) {
   const auto subcommand = [&](const char* name, const char* help, bool writes) {
@@ -289,17 +268,13 @@ Commands addCommands(CLI::App& app, Options& options) {
   const CLI::App* order = subcommand(
       "order", "Compare the orders in which a drawing can be cut: air path, time, highest belt speed", false);
   subcommand("check", "Say whether and how the job fits the machine", false);
-  return {gcode, program, preview, order, addThroughput(app, options)};
+  return {gcode, program, preview, order};
 }
 
 /// Runs the commands; returns the exit code.
-int run(const Commands& commands, Options& options) {
+int run(const Commands& commands, const planner::StripCommands& strip, Options& options) {
   if (!options.image.empty()) options.machine.target = planner::targetOfImage(options.image);
-  if (commands.throughput->parsed()) {
-    std::cout << planner::throughputTable(crossCut(options, options.strip_width_mm), options.machine,
-                                          options.job);
-    return 0;
-  }
+  if (strip.run()) return 0;
   if (!options.correction.empty()) {
     options.machine.correction =
         std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(options.correction));
@@ -336,6 +311,10 @@ int main(int argc, char** argv) try {
   app.require_subcommand(1);
   Options options;
   const Commands commands = addCommands(app, options);
+  const planner::StripCommands strip(app, options.machine, options.job, [&](CLI::App& command) {
+    addMachine(command, options);
+    addJob(command, options.job);
+  });
   const planner::CompensateCommand compensate(app);
   const planner::ProveCommand prove(app);
   const planner::PowerCommand power(app);
@@ -345,7 +324,7 @@ int main(int argc, char** argv) try {
     return app.exit(error) == 0 ? 0 : 64;
   }
   if (compensate.run() || prove.run() || power.run()) return 0;
-  return run(commands, options);
+  return run(commands, strip, options);
 } catch (const planner::PlanError& error) {
   std::cerr << error.what() << '\n';
   return kBadInput;

@@ -26,7 +26,10 @@ struct CrossCut {
   [[nodiscard]] double cycleMm() const;
   /// Highest v_x that both constraints allow.
   [[nodiscard]] double highestFeedMm_s() const;
-  /// Constraints that do not hold, with their numbers and the feed each would allow; empty if both hold.
+  /// Values that are not > 0 and finite, a sentence each.
+  [[nodiscard]] std::vector<std::string> unusable() const;
+  /// Unusable values, or constraints that do not hold, with their numbers and the feed each would allow;
+  /// empty if both hold.
   [[nodiscard]] std::vector<std::string> faults() const;
 
   /// Time until piece n is cut by feeding a piece, stopping, cutting, and so on; n (L / v_x + y0 / v_y).
@@ -39,9 +42,5 @@ struct CrossCut {
 /// of several units on a belt that moves during the cut.
 std::optional<CrossCut> crossCutOf(const std::vector<Segment>& path, const MachineParameters& machine,
                                    const JobParameters& job);
-
-/// Comparison of S0 as a table: times by the formulas and by the planner with its ramps, for both methods,
-/// for 1, 100, 1000 and 10 000 pieces. @throws PlanError that lists every constraint that does not hold.
-std::string throughputTable(const CrossCut& cut, const MachineParameters& machine, const JobParameters& job);
 
 }  // namespace kerfbench::planner

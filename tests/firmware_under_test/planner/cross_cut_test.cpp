@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "firmware_under_test/planner/program/plan.h"
 #include "player.h"
 
 namespace kerfbench::planner {
@@ -13,10 +14,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-CrossCut paper() { return {1200.0, 800.0, 780.0, 200.0, 230.0, 400.0}; }
-
 TEST(CrossCut, ThePapersTimes) {
-  const CrossCut cut = paper();
+  const CrossCut cut = test::paperCut();
   EXPECT_THAT(cut.faults(), IsEmpty());
   EXPECT_NEAR(cut.carriedMm(), 695.7, 0.05);
   for (const double n : {100.0, 1000.0, 10000.0}) {
@@ -26,7 +25,7 @@ TEST(CrossCut, ThePapersTimes) {
 }
 
 TEST(CrossCut, TheReturnMustMakeThePapersSpeed) {
-  CrossCut cut = paper();
+  CrossCut cut = test::paperCut();
   cut.reposition_mm_s = 275.9;
   EXPECT_THAT(cut.faults(), IsEmpty());
   cut.reposition_mm_s = 275.8;
@@ -37,7 +36,7 @@ TEST(CrossCut, TheReturnMustMakeThePapersSpeed) {
 TEST(CrossCut, TheHighestFeedIsWhereAConstraintIsReached) {
   for (const double reach_mm : {300.0, 780.0, 5000.0}) {
     for (const double back_mm_s : {150.0, 400.0, 3000.0}) {
-      CrossCut cut = paper();
+      CrossCut cut = test::paperCut();
       cut.reach_mm = reach_mm;
       cut.reposition_mm_s = back_mm_s;
       const double highest = cut.highestFeedMm_s();
@@ -50,7 +49,7 @@ TEST(CrossCut, TheHighestFeedIsWhereAConstraintIsReached) {
 }
 
 TEST(CrossCut, NonsenseIsNamedAllAtOnce) {
-  CrossCut cut = paper();
+  CrossCut cut = test::paperCut();
   cut.width_mm = 0.0;
   cut.cut_mm_s = -1.0;
   EXPECT_EQ(cut.faults().size(), 2U);
@@ -64,7 +63,7 @@ TEST(CrossCut, ThePlannerNeverBeatsTheFormulas) {
   for (const double back_mm_s : {276.0, 400.0}) {
     job.jump_speed_mm_s = back_mm_s;
     job.belt_speed_mm_s = 100.0;
-    CrossCut cut = paper();
+    CrossCut cut = test::paperCut();
     cut.reposition_mm_s = back_mm_s;
     const double planned = planner::plan(test::strip(), test::gantry(), job).max_belt_speed_mm_s;
     EXPECT_LE(planned, cut.highestFeedMm_s());
@@ -101,18 +100,6 @@ TEST(CrossCut, OnlyAStraightCutAcrossIsOne) {
   EXPECT_FALSE(crossCutOf({across, across}, test::gantry(), job));
   across.end_mm.x() = 20.0;
   EXPECT_FALSE(crossCutOf({across}, test::gantry(), job));
-}
-
-TEST(Throughput, TheTableHoldsThePapersFiguresAndTheRamps) {
-  MachineParameters machine = test::gantry();
-  JobParameters job = test::gantryJob();
-  const std::string table = throughputTable(paper(), machine, job);
-  for (const char* figure :
-       {"9.5 /", "947.8 /", "94782.6 /", "603.5 /", "6003.5 /", "60003.5 /", "695.7 of 780 mm"})
-    EXPECT_THAT(table, HasSubstr(figure)) << table;
-  CrossCut late = paper();
-  late.reposition_mm_s = 200.0;
-  EXPECT_THROW(throughputTable(late, machine, job), PlanError);
 }
 
 }  // namespace

@@ -172,6 +172,8 @@ dieline::Dieline carton() {
        line(-20, 45, -62, 45, Process::kHalfCut), line(-125, -30, -125, 30, Process::kPerforation)});
 }
 
+CrossCut paperCut() { return {1200.0, 800.0, 780.0, 200.0, 230.0, 400.0}; }
+
 dieline::Dieline strip() { return dielineOf({line(0, -400, 0, 400)}); }
 
 namespace {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "firmware_under_test/planner/program/cross_cut.h"
 #include "firmware_under_test/planner/program/plan.h"
 #include "hil/dieline/geometry.h"
 
@@ -63,6 +64,8 @@ dieline::Dieline label();
 dieline::Dieline carton();
 /// Cut of S0 across the strip.
 dieline::Dieline strip();
+/// Figures of S0's example: pieces of 1200 mm, 800 mm wide, 200 and 230 mm/s; a way back at 400 mm/s.
+CrossCut paperCut();
 
 /// Worst distance of burnt points from the dieline, over all units.
 double worstDeviationMm(const Played& played, const dieline::Dieline& dieline, const JobParameters& job);
