@@ -191,6 +191,8 @@ double webStartX_mm(const Case& test_case) {
 planner::JobParameters plannerJob(const Case& test_case) {
   planner::JobParameters job = test_case.scenario.job;
   job.web_start_x_mm = webStartX_mm(test_case);
+  job.belt_min_mm_s = test_case.scenario.belt_min_mm_s;
+  job.belt_max_mm_s = test_case.scenario.belt_max_mm_s;
   job.jump_radius_mm =
       test_case.scenario.jump_radius_mm.value_or(test_case.machine.controller.jump_radius_mm);
   return job;

@@ -106,6 +106,7 @@ struct Scenario {
   PrintLayout print;
   double print_sigma_mm{};   ///< For the bench: where a registration mark is printed, per axis.
   double belt_speed_mm_s{};  ///< Speed at t = 0, as the planner knows it.
+  double belt_min_mm_s{}, belt_max_mm_s{};           ///< Speeds that the belt may have; 0: not told.
   std::vector<twin::SpeedPoint> belt_speed_changes;  ///< Speeds of the line that are to come.
   bool belt_by_controller{};             ///< The controller's feed pulses move the belt, not the line.
   std::optional<double> web_start_x_mm;  ///< x_W of unit 0's origin at t = 0; absent: from the lead time.

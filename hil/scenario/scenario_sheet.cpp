@@ -103,6 +103,18 @@ std::vector<twin::SpeedPoint> readSpeedChanges(base::YamlReader& belt) {
   return changes;
 }
 
+/// The speeds that the belt may have, and whether its profile keeps to them.
+void readBeltRange(base::YamlReader& belt, Scenario& s) {
+  s.belt_min_mm_s = belt.number("min_mm_s", {.min = 0, .max = 5000, .fallback = 0.0});
+  s.belt_max_mm_s = belt.number("max_mm_s", {.min = 0, .max = 5000, .fallback = 0.0});
+  const double most_mm_s = s.belt_max_mm_s > 0.0 ? s.belt_max_mm_s : kHuge;
+  for (const twin::SpeedPoint& change : s.belt_speed_changes) {
+    if (change.speed_mm_s < s.belt_min_mm_s || change.speed_mm_s > most_mm_s)
+      belt.fault("profile", fmt::format("{:g} mm/s at {:g} s is outside of min_mm_s and max_mm_s",
+                                        change.speed_mm_s, change.time_s));
+  }
+}
+
 }  // namespace
 
 dieline::LayerProfile readLayers(base::YamlReader& file) {
@@ -190,6 +202,7 @@ PrintLayout readPrint(base::YamlReader& print) {
 void readBelt(base::YamlReader belt, Scenario& s) {
   s.belt_speed_mm_s = belt.number("speed_mm_s", {.min = 0, .max = 5000});
   s.belt_speed_changes = readSpeedChanges(belt);
+  readBeltRange(belt, s);
   s.belt_by_controller = belt.choice("drive", {"line", "controller"}, "line") == "controller";
   if (s.belt_by_controller && !s.belt_speed_changes.empty())
     belt.fault("profile", "is the line's; here the controller feeds");

@@ -53,6 +53,8 @@ inline constexpr double kRadiusOfDrawing = -1.0;
 
 struct JobParameters {
   double belt_speed_mm_s{};  ///< Speed of the belt; > 0 while the board moves, 0 for a resting sheet.
+  /// Lowest and highest speed that the belt may have, S0's v_min and v_max; 0: not told, and not checked.
+  double belt_min_mm_s{}, belt_max_mm_s{};
   double mark_speed_mm_s{300};
   double jump_speed_mm_s{450};
   double acceleration_mm_s2{20000};

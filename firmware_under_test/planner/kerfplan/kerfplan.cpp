@@ -25,6 +25,7 @@
 #include "firmware_under_test/planner/program/order_table.h"
 #include "firmware_under_test/planner/program/plan.h"
 #include "firmware_under_test/planner/program/program.h"
+#include "firmware_under_test/planner/program/room.h"
 #include "firmware_under_test/planner/program/selection.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
@@ -104,6 +105,32 @@ void write(const Options& options, const std::string& text) {
   if (!file.flush()) throw std::runtime_error(options.output + ": cannot be written");
 }
 
+/// Room along the belt: at its speed, and at the lowest and highest that it may have.
+std::string roomText(const Options& options, const planner::CheckResult& checked,
+                     const std::vector<planner::Segment>& path) {
+  const JobParameters& job = options.job;
+  const MachineParameters& machine = options.machine;
+  std::string text;
+  const auto add = [&](const char* which, double v) {
+    const planner::RoomNeeded room =
+        planner::roomAt(*checked.solution, machine, job, planner::Axes(machine, {}), v);
+    text += fmt::format("  field along x   {:.3f} … {:.3f} mm of {:g} … {:g} mm{}\n", room.low_x_mm,
+                        room.high_x_mm, machine.field_min_mm[0], machine.field_max_mm[0], which);
+    if (room.least_pitch_mm > 0.0)
+      text += fmt::format("  pitch           {:.3f} mm at least{}{}\n", room.least_pitch_mm,
+                          job.units > 1 ? fmt::format(", {:g} mm given", job.pitch_mm) : "", which);
+    if (const auto closed = planner::closedFormRoom(path, machine, job, v))
+      text += fmt::format("  without ramps   pitch {:.1f} mm, travel {:.1f} mm (Hu, Hu, Jiang 2014){}\n",
+                          closed->least_pitch_mm, closed->travel_mm, which);
+  };
+  add("", planner::speedWhileCutting(job));
+  if (job.belt_min_mm_s > 0.0)
+    add(fmt::format(", belt at {:g} mm/s", job.belt_min_mm_s).c_str(), job.belt_min_mm_s);
+  if (job.belt_max_mm_s > 0.0)
+    add(fmt::format(", belt at {:g} mm/s", job.belt_max_mm_s).c_str(), job.belt_max_mm_s);
+  return text;
+}
+
 std::string summaryOf(const Options& options, const planner::CheckResult& checked,
                       const planner::Plan& plan) {
   std::size_t bytes = 0;
@@ -119,20 +146,7 @@ std::string summaryOf(const Options& options, const planner::CheckResult& checke
       options.input, options.job.belt_speed_mm_s, plan.max_belt_speed_mm_s, plan.unit_time_s,
       plan.cycle_time_s, plan.cut_length_mm, plan.jump_length_mm, plan.x_ref_mm, plan.program.ops.size(),
       bytes, planner::describe(options.machine.target));
-  const planner::RoomNeeded room =
-      planner::roomNeeded(*checked.solution, planner::unitOf(planner::readGcode(plan.gcode)), options.machine,
-                          options.job, planner::Axes(options.machine, {}));
-  text += fmt::format("  field along x   {:.3f} … {:.3f} mm of {:g} … {:g} mm\n", room.low_x_mm,
-                      room.high_x_mm, options.machine.field_min_mm[0], options.machine.field_max_mm[0]);
-  if (room.least_pitch_mm > 0.0) {
-    text += fmt::format("  pitch           {:.3f} mm at least at this speed{}\n", room.least_pitch_mm,
-                        options.job.units > 1 ? fmt::format(", {:g} mm given", options.job.pitch_mm) : "");
-  }
-  if (room.closed_form) {
-    text += fmt::format("  without ramps   pitch {:.1f} mm, travel {:.1f} mm (Hu, Hu, Jiang 2014)\n",
-                        room.closed_form->least_pitch_mm, room.closed_form->travel_mm);
-  }
-  return text;
+  return text + roomText(options, checked, planner::unitOf(planner::readGcode(plan.gcode)));
 }
 
 /// Prints all errors to standard error, or the demands of the job.
@@ -189,6 +203,8 @@ void addJob(CLI::App& app, JobParameters& j) {
     app.add_option(name, value, help)->group(group)->capture_default_str();
   };
   option("--belt-speed", j.belt_speed_mm_s, "Speed of the sheet, mm/s; 0: it rests");
+  option("--belt-min", j.belt_min_mm_s, "Lowest speed that the belt may have, mm/s; 0: not checked");
+  option("--belt-max", j.belt_max_mm_s, "Highest speed that the belt may have, mm/s; 0: not checked");
   option("--mark-speed", j.mark_speed_mm_s, "Highest speed of marks on the sheet, mm/s");
   option("--jump-speed", j.jump_speed_mm_s, "Highest speed of jumps and of the way back, mm/s");
   option("--acceleration", j.acceleration_mm_s2, "Highest acceleration, mm/s2");

@@ -14,6 +14,7 @@
 #include "firmware_under_test/planner/program/cross_cut.h"
 #include "firmware_under_test/planner/program/job_issues.h"
 #include "firmware_under_test/planner/program/program.h"
+#include "firmware_under_test/planner/program/room.h"
 
 namespace kerfbench::planner {
 namespace {
@@ -206,45 +207,9 @@ CheckResult checkJob(const std::string& gcode, const MachineParameters& machine,
     const std::vector<std::string> slow = powerWarnings(*unit, machine, job);
     result.warnings.insert(result.warnings.end(), slow.begin(), slow.end());
   }
+  if (solved.solution && result.errors.empty()) add(beltRangeFaults(*solved.solution, machine, job, axes));
   if (result.errors.empty()) result.solution = std::move(solved.solution);
   return result;
-}
-
-RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path,
-                      const MachineParameters& machine, const JobParameters& job, const Axes& axes) {
-  RoomNeeded room;
-  room.low_x_mm = std::numeric_limits<double>::infinity();
-  room.high_x_mm = -room.low_x_mm;
-  const double v = solution.belt_speed_mm_s;
-  const double period_s = axes.periodS();
-  const auto reach = [&](double x_mm) {
-    room.low_x_mm = std::min(room.low_x_mm, x_mm);
-    room.high_x_mm = std::max(room.high_x_mm, x_mm);
-  };
-  for (int k = 0; k < job.units; ++k) {
-    if (v > 0.0 && k >= static_cast<int>(solution.layouts.size())) break;
-    const UnitLayout& layout = solution.layoutOf(k);
-    const UnitPath& unit = solution.pathOf(k);
-    reach(layout.park_W_mm.x());
-    reach(layout.end_W_mm.x());
-    // The search goes back from the end, where the place on the belt is known.
-    double beta_mm = layout.end_W_mm.x() - unit.endS().x();
-    for (std::size_t i = unit.blocks.size(); i-- > 0;) {
-      const Block& block = unit.blocks[i];
-      beta_mm -= v * static_cast<double>(block.samples.size()) * period_s;
-      reach(beta_mm + block.low_mm);
-      reach(beta_mm + block.high_mm);
-      beta_mm -= v * layout.waits[i] * period_s;
-    }
-    if (v <= 0.0) continue;
-    const UnitLayout& next = solution.layoutOf(k + 1);
-    const Reposition back(layout.end_W_mm, v, next.park_W_mm, job, axes);
-    const int cycle = layout.catch_up_periods + layout.sheet_periods + back.periods() + kSparePeriods;
-    room.least_pitch_mm =
-        std::max(room.least_pitch_mm, v * cycle * period_s - next.x_ref_mm + layout.x_ref_mm);
-  }
-  if (const auto cut = crossCutOf(path, machine, job)) room.closed_form = {cut->cycleMm(), cut->carriedMm()};
-  return room;
 }
 
 }  // namespace kerfbench::planner

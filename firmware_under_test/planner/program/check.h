@@ -25,21 +25,6 @@ struct CheckResult {
 CheckResult checkJob(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,
                      const PlannerFaults& faults = {});
 
-/// Room that a solution takes of the field and of the pitch: S0's two constraints, ramps included.
-struct RoomNeeded {
-  /// Range of x_W of the beam from park position to the last mark, all units.
-  double low_x_mm{}, high_x_mm{};
-  double least_pitch_mm{};  ///< Travel of the belt in a cycle, on a moving sheet; else 0.
-  /// Closed form of S0 for a single straight cut across, without ramps: (v_x/v_y)(v_x/v_0 + 1) y0 and v_x y0
-  /// / v_y.
-  struct ClosedForm {
-    double least_pitch_mm{}, travel_mm{};
-  };
-  std::optional<ClosedForm> closed_form;
-};
-RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path,
-                      const MachineParameters& machine, const JobParameters& job, const Axes& axes);
-
 /// Marks that lie outside the field across the belt, which no belt speed can mend.
 std::vector<std::string> outsideAcross(const std::vector<Segment>& path, const MachineParameters& machine);
 

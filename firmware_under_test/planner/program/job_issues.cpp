@@ -173,6 +173,19 @@ class JobChecker {
           fmt::format("units must be in 1 … 1000000, but is {}", job_.units));
     if (job_.units > 1) positive(job_.pitch_mm, "pitch_mm");
     notNegative(job_.belt_speed_mm_s, "belt_speed_mm_s");
+    checkBeltRange();
+  }
+
+  void checkBeltRange() {
+    const double v = job_.belt_speed_mm_s;
+    notNegative(job_.belt_min_mm_s, "belt_min_mm_s");
+    notNegative(job_.belt_max_mm_s, "belt_max_mm_s");
+    check(!(job_.belt_min_mm_s > v) && !(job_.belt_max_mm_s > 0.0 && job_.belt_max_mm_s < v),
+          fmt::format("the belt speed of {:g} mm/s must lie between the lowest and the highest, but these "
+                      "are {:g} and {:g}",
+                      v, job_.belt_min_mm_s, job_.belt_max_mm_s));
+    check(!((job_.belt_min_mm_s > 0.0 || job_.belt_max_mm_s > 0.0) && job_.stop_and_go),
+          "a belt that stops for each cut has no lowest and highest speed");
   }
 
   void checkFeed() {

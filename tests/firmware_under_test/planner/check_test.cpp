@@ -53,31 +53,6 @@ TEST(Check, MarksAndPitchAreBothNamed) {
               Contains(::testing::AllOf(HasSubstr("print marks"), HasSubstr("pitch of 0.5"))));
 }
 
-TEST(Check, RoomOfThePapersStripExceedsItsClosedFormByTheRamps) {
-  JobParameters job = test::gantryJob();
-  job.belt_speed_mm_s = 200.0;
-  job.units = 4;
-  job.pitch_mm = 1200.0;
-  job.alternate = true;
-  const std::string text = makeGcode(test::strip(), test::gantry(), job);
-  const CheckResult checked = checkJob(text, test::gantry(), job);
-  ASSERT_TRUE(checked.solution);
-  const RoomNeeded room =
-      roomNeeded(*checked.solution, unitOf(readGcode(text)), test::gantry(), job, Axes(test::gantry(), {}));
-  ASSERT_TRUE(room.closed_form);
-  // Hu, Hu, Jiang 2014 (S0): v_x y_0 / v_y <= x_0, so x_0 >= 695.7 mm.
-  EXPECT_NEAR(room.closed_form->travel_mm, 695.65, 0.01);
-  EXPECT_NEAR(room.closed_form->least_pitch_mm, 200.0 / 230.0 * (200.0 / 400.0 + 1.0) * 800.0, 1e-6);
-  EXPECT_GT(room.high_x_mm - room.low_x_mm, room.closed_form->travel_mm);
-  EXPECT_LT(room.high_x_mm - room.low_x_mm, 1.06 * room.closed_form->travel_mm);
-  EXPECT_GT(room.least_pitch_mm, room.closed_form->least_pitch_mm);
-  // The least pitch is where the planner begins to refuse; it finds the highest speed to 0.1 %.
-  job.pitch_mm = 1.002 * room.least_pitch_mm;
-  EXPECT_THAT(checkJob(text, test::gantry(), job).errors, IsEmpty());
-  job.pitch_mm = room.least_pitch_mm - 0.5;
-  EXPECT_THAT(checkJob(text, test::gantry(), job).errors, Contains(HasSubstr("pitch of")));
-}
-
 TEST(CutTwice, LinesThatShareAPart) {
   EXPECT_THAT(twiceIn("G0 X0 Y0\nG1 X10 Y5 Z1\nG0 X6 Y3\nG1 X2 Y1\n"),
               ElementsAre(HasSubstr("line 4: 4.472 mm")));

@@ -75,6 +75,17 @@ TEST_F(CaseTest, TheMachineSetsTheRadiusOfJumpsAndTheScenarioWins) {
               HasSubstr("planner.jump_radius_mm: is a radius"));
 }
 
+TEST_F(CaseTest, TheBeltHasALowestAndAHighestSpeed) {
+  const Case told = label("belt: {min_mm_s: 59, max_mm_s: 61, profile: [{at_s: 1, speed_mm_s: 60.5}]}\n");
+  EXPECT_EQ(plannerJob(told).belt_min_mm_s, 59.0);
+  EXPECT_EQ(plannerJob(told).belt_max_mm_s, 61.0);
+  EXPECT_EQ(plannerJob(label("")).belt_max_mm_s, 0.0);
+  EXPECT_THAT(
+      faultsOf("belt: {min_mm_s: 59, max_mm_s: 61, profile: [{at_s: 1, speed_mm_s: 61.5}, {at_s: 2, "
+               "speed_mm_s: 58}]}\n"),
+      AllOf(HasSubstr("belt.profile: 61.5 mm/s at 1 s is outside"), HasSubstr("58 mm/s at 2 s is outside")));
+}
+
 TEST_F(CaseTest, PowerIsByEnergyOrByDepth) {
   const std::string power = fmt::format(
       "planner: {{power: {{material: {}, laser: {}, spot_diameter_mm: 0.2, ",
