@@ -13,6 +13,7 @@
 #include "hil/app/cli.h"
 #include "hil/app/instrument_program.h"
 #include "hil/app/lint_command.h"
+#include "hil/app/motion_command.h"
 #include "hil/app/run_command.h"
 #include "hil/app/verify_command.h"
 #include "hil/base/exit_codes.h"
@@ -130,6 +131,25 @@ void addVerify(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(verify, [=] { return verifyCommand(*options); });
 }
 
+void addMotion(CLI::App& app, const CliProgram& program, CliActions& actions) {
+  const auto options = std::make_shared<MotionOptions>();
+  options->bin_dir = program.bin_dir;
+  CLI::App* motion = app.add_subcommand(
+      "motion",
+      "Where the pulses of a recording lead the head: a line for each cut, motion.csv with the place over "
+      "time,\n"
+      "pictures of the way in the machine, over the sheet, and of its length. Nothing is judged.");
+  motion->add_option("RECORDING", options->recording, "pins.vcd of a run, or a recording as for replay")
+      ->required();
+  motion->add_option("--scenario", options->scenario, "The scenario that was recorded")->required();
+  motion->add_option("--out", options->out, "Folder for table and pictures")->capture_default_str();
+  motion->add_option("--every", options->every_s, "Time between the rows, s")
+      ->check(CLI::Range(1e-4, 10.0))
+      ->capture_default_str();
+  motion->add_flag("--quiet,-q", options->quiet, "Only the files");
+  actions.add(motion, [=] { return motionCommand(*options); });
+}
+
 void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   CLI::App* lint = app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg)");
   const auto files = std::make_shared<std::vector<fs::path>>();
@@ -155,6 +175,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
   addRun(app, program, actions);
   addReplay(app, program, actions);
   addVerify(app, program, actions);
+  addMotion(app, program, actions);
   addRecordFrames(app, program, actions);
   addCapture(app, program, actions);
   addLint(app, program, actions);

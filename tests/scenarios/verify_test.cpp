@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <sstream>
 #include <string>
 
 #include "tests/scenarios/scenario_runs.h"
@@ -138,6 +139,29 @@ TEST_F(Verify, SensorsThatTheMachineDidNotGiveMakeARecordingInvalid) {
   });
   EXPECT_EQ(verdict.at("verdict"), "INVALID");
   EXPECT_THAT(verdict.at("problems").dump(), HasSubstr("print_mark"));
+}
+
+TEST_F(Verify, MotionTellsWhereThePulsesOfTheRunLed) {
+  const auto motion =
+      kerfbench(fmt::format("motion '{}' --scenario '{}' --out '{}'", (results_ / "pins.vcd").string(),
+                            scenario_.string(), (scratch_.path() / "motion").string()));
+  ASSERT_EQ(motion.exit_code, 0) << motion.output;
+  // Hole and outline are closed: the head has gone as far as the web, within two steps, and not across.
+  std::istringstream lines(motion.output);
+  std::string line;
+  std::getline(lines, line);
+  int cuts = 0;
+  double from_s{}, to_s{}, x0{}, y0{}, x1{}, y1{}, over_x_mm{}, over_y_mm{}, vx{}, vy{};
+  while (lines >> from_s >> to_s >> x0 >> y0 >> x1 >> y1 >> over_x_mm >> over_y_mm >> vx >> vy) {
+    ++cuts;
+    EXPECT_NEAR(over_x_mm, 0.0, 0.05) << line;
+    EXPECT_NEAR(over_y_mm, 0.0, 0.02) << line;
+    EXPECT_NEAR(vx, 60.0, 0.5);
+  }
+  EXPECT_EQ(cuts, 2);
+  EXPECT_THAT(textOf(scratch_.path() / "motion" / "motion.csv"),
+              HasSubstr("t_s,x_W_mm,y_W_mm,sheet_x_mm,gate,G_mm"));
+  EXPECT_THAT(textOf(scratch_.path() / "motion" / "motion-sheet.svg"), HasSubstr("</svg>"));
 }
 
 }  // namespace

@@ -6,12 +6,13 @@
 
 #include <Eigen/Core>
 
-namespace kerfbench::planner {
+namespace kerfbench::base {
 
-/// One curve of a chart.
+/// One curve of a chart: strokes of one colour, with a name beside the chart.
 struct ChartCurve {
+  using Stroke = std::vector<Eigen::Vector2d>;
   std::string name;
-  std::vector<Eigen::Vector2d> points;
+  std::vector<Stroke> strokes;
   bool dashed{};
 };
 
@@ -20,9 +21,10 @@ struct Chart {
   std::string title, x_name, y_name;
   std::vector<ChartCurve> curves;
   bool logarithmic{};  ///< Both scales; all values are > 0.
+  bool same_scale{};   ///< A unit is as long along x as along y: for places.
 };
 
 /// @throws std::invalid_argument without points, or with values that the scales do not hold.
 std::string svgOf(const Chart& chart);
 
-}  // namespace kerfbench::planner
+}  // namespace kerfbench::base

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/strip/chart.h"
+#include "hil/base/chart.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "hil/base/text.h"
 
-namespace kerfbench::planner {
+namespace kerfbench::base {
 namespace {
 
 using Eigen::Vector2d;
@@ -31,12 +31,8 @@ class Scales {
  public:
   explicit Scales(const Chart& chart) : logarithmic_(chart.logarithmic) {
     for (const ChartCurve& curve : chart.curves) {
-      for (const Vector2d& point : curve.points) {
-        const Vector2d at = shown(point);
-        if (!at.allFinite())
-          throw std::invalid_argument("a chart's values must be numbers that its scales hold");
-        box_.extend(at);
-      }
+      for (const ChartCurve::Stroke& stroke : curve.strokes)
+        for (const Vector2d& point : stroke) hold(shown(point));
     }
     if (box_.isEmpty()) throw std::invalid_argument("a chart needs points");
     for (int axis = 0; axis < 2; ++axis) {
@@ -45,6 +41,7 @@ class Scales {
       box_.min()[axis] -= room;
       box_.max()[axis] += room;
     }
+    if (chart.same_scale) widen();
   }
 
   [[nodiscard]] Vector2d px(const Vector2d& value) const {
@@ -61,6 +58,17 @@ class Scales {
   }
 
  private:
+  void hold(const Vector2d& at) {
+    if (!at.allFinite()) throw std::invalid_argument("a chart's values must be numbers that its scales hold");
+    box_.extend(at);
+  }
+  /// Widens the shorter side until both have one scale.
+  void widen() {
+    const Vector2d frame_px(kWidth, kHeight);
+    const double unit = box_.sizes().cwiseQuotient(frame_px).maxCoeff();
+    const Vector2d more = 0.5 * (unit * frame_px - box_.sizes());
+    box_ = Eigen::AlignedBox2d(box_.min() - more, box_.max() + more);
+  }
   [[nodiscard]] Vector2d shown(const Vector2d& value) const {
     return logarithmic_ ? Vector2d(std::log10(value.x()), std::log10(value.y())) : value;
   }
@@ -90,9 +98,11 @@ std::string gridOf(const Scales& scales) {
 
 std::string curveOf(const Scales& scales, const ChartCurve& curve, const char* colour, double legend_y) {
   std::string way;
-  for (const Vector2d& point : curve.points) {
-    const Vector2d px = scales.px(point);
-    way += fmt::format("{}{:.2f} {:.2f}", way.empty() ? "M " : " L ", px.x(), px.y());
+  for (const ChartCurve::Stroke& stroke : curve.strokes) {
+    for (std::size_t i = 0; i < stroke.size(); ++i) {
+      const Vector2d px = scales.px(stroke[i]);
+      way += fmt::format("{}{:.2f} {:.2f}", i == 0 ? "M " : " L ", px.x(), px.y());
+    }
   }
   const std::string style =
       fmt::format("stroke='{}'{}", colour, curve.dashed ? " stroke-dasharray='6 4'" : "");
@@ -100,7 +110,7 @@ std::string curveOf(const Scales& scales, const ChartCurve& curve, const char* c
       "<path d='{}' class='curve' {}/>\n<path d='M {:.1f} {:.1f} h 24' class='curve' {}/><text x='{:.1f}' "
       "y='{:.1f}'>{}</text>\n",
       way, style, kLeft + kWidth + 12.0, legend_y, style, kLeft + kWidth + 42.0, legend_y + 4.0,
-      base::escapeHtml(curve.name));
+      escapeHtml(curve.name));
 }
 
 }  // namespace
@@ -114,7 +124,7 @@ std::string svgOf(const Chart& chart) {
       "sans-serif}}.grid{{stroke:#ddd;fill:none}}.curve{{stroke-width:1.6;fill:none}}</style>\n"
       "<rect width='100%' height='100%' fill='#fff'/>\n"
       "<text x='{2:.0f}' y='20' font-weight='bold'>{3}</text>\n",
-      kLeft + kWidth + kRight, kTop + kHeight + kBottom, kLeft, base::escapeHtml(chart.title));
+      kLeft + kWidth + kRight, kTop + kHeight + kBottom, kLeft, escapeHtml(chart.title));
   svg += gridOf(scales);
   svg += fmt::format("<rect x='{}' y='{}' width='{}' height='{}' fill='none' stroke='#888'/>\n", kLeft, kTop,
                      kWidth, kHeight);
@@ -125,9 +135,9 @@ std::string svgOf(const Chart& chart) {
   svg += fmt::format(
       "<text x='{:.0f}' y='{:.0f}' text-anchor='middle'>{}</text>\n"
       "<text transform='translate(16 {:.0f}) rotate(-90)' text-anchor='middle'>{}</text>\n",
-      kLeft + 0.5 * kWidth, kTop + kHeight + 38.0, base::escapeHtml(chart.x_name), kTop + 0.5 * kHeight,
-      base::escapeHtml(chart.y_name));
+      kLeft + 0.5 * kWidth, kTop + kHeight + 38.0, escapeHtml(chart.x_name), kTop + 0.5 * kHeight,
+      escapeHtml(chart.y_name));
   return svg + "</svg>\n";
 }
 
-}  // namespace kerfbench::planner
+}  // namespace kerfbench::base
