@@ -67,6 +67,9 @@ planner::JobParameters readJob(base::YamlReader planner, const Scenario& scenari
     job.power = readPower(power);
     job.power_loop = power.boolean("closed_loop", false);
   }
+  job.run_up_mm = planner.number("run_up_mm", {.min = -1, .max = 1000, .fallback = 0.0});
+  if (job.run_up_mm < 0.0 && job.run_up_mm != planner::kRunUpOfSpeed)
+    planner.fault("run_up_mm", "is a length, 0 for none, or -1 for what the speed takes");
   job.jerk_mm_s3 = planner.number("jerk_mm_s3", {.min = 0, .max = 1e12, .fallback = 0.0});
   job.half_z = planner.number("half_z", {.min = 0.05, .max = 0.95, .fallback = job.half_z});
   job.perforation_cut_mm =

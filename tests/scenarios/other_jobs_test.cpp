@@ -57,6 +57,9 @@ TEST(OtherJobsLong, ThreeLayersPassInTheShortestOrderOnTheNativeRelease) {
   passes("native/carton-three-layers.yaml", "planner: {order: shortest}\n", "spot_seen");
 }
 
+/// One cut with a run-up: the gate opens and closes on a beam at full speed, at the edges of the strip.
+TEST(OtherJobs, StripWithRunUpsPasses) { passes("native/strip-run-up.yaml", "print: {units: 1}\n", "path"); }
+
 /// The scenario's own 2815 mm/s² make a piece last whole frames, so that each cut is seen alike.
 TEST(OtherJobsLong, StripStopAndGoPassesAtOtherAccelerations) {
   for (const int mm_s2 : {2500, 2700})

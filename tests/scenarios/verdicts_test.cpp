@@ -140,6 +140,7 @@ TEST(GoodReleaseLong, StripAvrPasses) { passes("strip-crosscut.yaml"); }
 TEST(GoodReleaseLong, StripNativePasses) { passes("native/strip-crosscut.yaml"); }
 TEST(GoodRelease, StripStopAndGoAvrPasses) { passes("strip-stop-and-go.yaml", kOneUnit); }
 TEST(GoodReleaseLong, StripStopAndGoAvrPasses) { passes("strip-stop-and-go.yaml"); }
+TEST(GoodReleaseLong, StripRunUpAvrPasses) { passes("strip-run-up.yaml"); }
 TEST(GoodReleaseLong, StripSpeedVariesAvrPasses) { passes("strip-speed-varies.yaml"); }
 
 TEST(BadRelease, BeltIgnoredFailsByStillnessX) { failsBy("belt-ignored", "stillness_x", kOneUnit); }

@@ -50,6 +50,8 @@ struct MachineParameters {
 
 /// Value of JobParameters::jump_radius_mm: the size of the drawing decides.
 inline constexpr double kRadiusOfDrawing = -1.0;
+/// Length of run-ups as the ramp to the speed of marks takes it.
+inline constexpr double kRunUpOfSpeed = -1.0;
 
 struct JobParameters {
   double belt_speed_mm_s{};  ///< Speed of the belt; > 0 while the board moves, 0 for a resting sheet.
@@ -62,6 +64,10 @@ struct JobParameters {
   /// Radius of the arcs that lead jumps out of one mark and into the next (S2), so that the beam runs through
   /// without a stop; 0: straight jumps from rest to rest; kRadiusOfDrawing: paperRadiusMm().
   double jump_radius_mm{0};
+  /// Length by which the beam comes from before a mark, and goes on behind it, along its tangent with the
+  /// laser off, so that marks begin and end at speed (sky writing); 0: none; kRunUpOfSpeed. With straight
+  /// jumps alone.
+  double run_up_mm{0};
   /// Power over speed that cuts through, Z1 (S3's P_ua times the spot diameter).
   double cut_energy_j_per_mm{};
   /// Model of material, laser and wanted depths that controls the laser instead of cut_energy_j_per_mm and

@@ -216,6 +216,10 @@ void addJob(CLI::App& app, JobParameters& j) {
       "--jump-radius", j.jump_radius_mm,
       "Arcs by which jumps leave and meet marks, mm: the beam does not stop; 0: straight jumps with stops; "
       "-1: by the drawing's size, 1 mm up to 10 mm, 5 mm from 100 mm on");
+  option("--run-up", j.run_up_mm,
+         "Way before and behind marks, along their tangent with the laser off, mm: marks begin and end at "
+         "speed; "
+         "0: none; -1: as long as the speed takes");
   option("--cut-energy", j.cut_energy_j_per_mm, "Energy per length that cuts through (Z1), J/mm");
   option("--half-z", j.half_z, "Z of half-cuts and creases, 0 to 1");
   option("--perforation-cut", j.perforation_cut_mm, "Length of a dash, mm");

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "firmware_under_test/planner/geometry/jump_curve.h"
+#include "firmware_under_test/planner/motion/run_up.h"
 #include "firmware_under_test/planner/motion/runs.h"
 #include "firmware_under_test/planner/motion/speed.h"
 
@@ -189,12 +190,13 @@ std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobPara
                     job.jerk_mm_s3};
   if (limits.box_mm_s2.minCoeff() <= 0.0) return std::nullopt;
   const bool smooth = job.jump_radius_mm != 0.0;
-  const std::vector<Run> runs =
-      smooth ? smoothRuns(path, radiusFor(path, job), limits, stops) : straightRuns(path);
+  std::vector<Run> runs = smooth ? smoothRuns(path, radiusFor(path, job), limits, stops) : straightRuns(path);
+  const bool runs_up = job.run_up_mm != 0.0;
+  if (runs_up) addRunUps(runs, job.run_up_mm == kRunUpOfSpeed ? runUpMm(limits) : job.run_up_mm);
   const std::vector<std::vector<double>> stations =
-      smooth ? flowStations(runs, limits) : restStations(runs, limits);
+      smooth || runs_up ? flowStations(runs, limits) : restStations(runs, limits);
   UnitPath unit;
-  unit.start_S_mm = path.front().start_mm;
+  unit.start_S_mm = runs.front().segments.front().start_mm;
   unit.belt_speed_mm_s = belt_speed_mm_s;
   unit.period_s = axes.periodS();
   unit.acceleration_mm_s2 = std::min(job.acceleration_mm_s2, limits.box_mm_s2.x());

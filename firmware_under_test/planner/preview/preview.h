@@ -8,9 +8,10 @@
 namespace kerfbench::planner {
 
 /// Page that plays the first unit of the job, with the periods of the program that would be sent to the
-/// controller: everything in one file, nothing loaded from elsewhere. A job that does not fit is shown too, at the belt's speed or, where the axes are too slow for
-/// that, on a resting sheet; the page then says what is wrong. Same input, same bytes. @throws PlanError if
-/// the G-code cannot be read or the parameters are unusable.
+/// controller: everything in one file, nothing loaded from elsewhere. A job that does not fit is shown too,
+/// at the belt's speed or, where the axes are too slow for that, on a resting sheet; the page then says what
+/// is wrong. Same input, same bytes. @throws PlanError if the G-code cannot be read or the parameters are
+/// unusable.
 std::string previewHtml(const std::string& title, const std::string& gcode, const MachineParameters& machine,
                         const JobParameters& job);
 

@@ -47,6 +47,22 @@ double longestS(const std::vector<Segment>& path, const JobParameters& job, cons
   return sum;
 }
 
+/// Run-ups that leave the field across the belt; marks are checked by outsideAcross().
+std::vector<std::string> runUpFaults(const UnitPath& unit, const MachineParameters& machine) {
+  double low_mm = unit.start_S_mm.y(), high_mm = low_mm;
+  for (const Block& block : unit.blocks) {
+    for (const Sample& sample : block.samples) {
+      low_mm = std::min(low_mm, sample.p_S_mm.y());
+      high_mm = std::max(high_mm, sample.p_S_mm.y());
+    }
+  }
+  if (low_mm >= machine.field_min_mm[1] - 1e-9 && high_mm <= machine.field_max_mm[1] + 1e-9) return {};
+  return {fmt::format(
+      "run-ups take the beam to y {:.3f} … {:.3f} mm, the field {:g} … {:g} mm: a slower mark or a "
+      "higher acceleration takes less",
+      low_mm, high_mm, machine.field_min_mm[1], machine.field_max_mm[1])};
+}
+
 std::string markName(const Block& block) {
   return block.entity >= 0 ? fmt::format("E{}", block.entity) : fmt::format("G-code line {}", block.line);
 }
@@ -204,6 +220,7 @@ CheckResult checkJob(const std::string& gcode, const MachineParameters& machine,
   if (!unit) unit = planUnit(path, job, axes, 0.0);  // A weak laser is too weak on a resting sheet, too.
   if (unit) {
     add(powerFaults(*unit, machine, job));
+    if (job.run_up_mm != 0.0) add(runUpFaults(*unit, machine));
     const std::vector<std::string> slow = powerWarnings(*unit, machine, job);
     result.warnings.insert(result.warnings.end(), slow.begin(), slow.end());
   }

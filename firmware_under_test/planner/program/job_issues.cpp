@@ -141,6 +141,12 @@ class JobChecker {
               (std::isfinite(job_.jump_radius_mm) && job_.jump_radius_mm >= 0.0),
           fmt::format("jump_radius_mm must be >= 0, or {:g} for that of the drawing, but is {:g}",
                       kRadiusOfDrawing, job_.jump_radius_mm));
+    check(job_.run_up_mm == kRunUpOfSpeed || (job_.run_up_mm >= 0.0 && job_.run_up_mm <= 1e3),
+          fmt::format("run_up_mm must be in 0 … 1000, or {:g} for what the speed takes, but is {:g}",
+                      kRunUpOfSpeed, job_.run_up_mm));
+    check(job_.run_up_mm == 0.0 || job_.jump_radius_mm == 0.0,
+          "run_up_mm is for straight jumps: with a jump_radius_mm the beam runs through marks and jumps "
+          "anyway");
     if (!job_.power) positive(job_.cut_energy_j_per_mm, "cut_energy_j_per_mm");
     check(std::isfinite(job_.jerk_mm_s3) && job_.jerk_mm_s3 >= 0.0,
           fmt::format("jerk_mm_s3 must be >= 0, but is {:g}", job_.jerk_mm_s3));

@@ -22,8 +22,8 @@ struct Throughput {
   std::vector<Times> times;
 };
 
-/// Both methods for 1, 10, 100, 1000 and 10 000 pieces. @throws PlanError that lists every constraint that does
-/// not hold, and the highest feed that can be planned.
+/// Both methods for 1, 10, 100, 1000 and 10 000 pieces. @throws PlanError that lists every constraint that
+/// does not hold, and the highest feed that can be planned.
 Throughput throughputOf(const CrossCut& cut, const MachineParameters& machine, const JobParameters& job);
 
 /// The same as a table for people.
