@@ -45,6 +45,8 @@ PAGES = {
                    "hil/evidence hil/inspect hil/judge hil/report hil/source hil/vision tests/tamper"),
     "witness": Page("tests/witness/RESULTS.md", "./bench witness",
                     "hil/calibrate/camera hil/inspect hil/judge hil/vision tests/witness"),
+    "papers": Page("docs/reference/papers.md", "./bench papers",
+                   "firmware_under_test/planner tests/papers tests/papers/rows.toml"),
     "mutate": Page("tests/mutation/RESULTS.md", "./bench mutate",
                    "hil/inspect hil/vision tests/hil/inspect tests/hil/vision tests/mutation/mutants.toml"),
     "sampled": Page("tests/mutation/RESULTS_SAMPLED.md", "./bench mutate --sample",
