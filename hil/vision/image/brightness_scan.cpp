@@ -19,38 +19,32 @@ namespace {
 
 constexpr int kCell = Background::kCellPx;
 constexpr int kSampleStride = 16;
-constexpr int kFetchRows = 4;
+constexpr int kFetchRows = 8;
+// A spot of 0.8 px or more that reaches the threshold in the mean of 2 x 4 pixels has five sixths of it in
+// that of two columns and two rows of every other one, wherever it lies.
+constexpr int kHintsLess = 6;
 constexpr std::size_t kCacheLine = 64;
 
 std::uint8_t meanOf(std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>((a + b + 1) >> 1); }
 
-KERFBENCH_WIDE void rowMeans(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_t* out,
-                             std::size_t count) {
-  for (std::size_t c = 0; c < count; ++c) out[c] = meanOf(upper[c], lower[c]);
+// Each of these loops is one averaging instruction per register: two averages in one loop would be taken
+// apart into words.
+
+KERFBENCH_WIDE void takeMeans(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* out,
+                              std::size_t count) {
+  for (std::size_t c = 0; c < count; ++c) out[c] = meanOf(a[c], b[c]);
 }
 
-/// Means of 2 x 2 from means of rows, then of 2 x 4 with the pair of rows before, and their maximum per
-/// column. One averaging instruction per 16 pixels and line of this.
-KERFBENCH_WIDE void foldPair(const std::uint8_t* rows, std::uint8_t* before, std::uint8_t* highest,
-                             std::size_t count) {
-  for (std::size_t c = 0; c < count; ++c) {
-    const std::uint8_t mean = meanOf(rows[c], rows[c + 1]);
-    const std::uint8_t both = meanOf(mean, before[c]);
-    before[c] = mean;
-    highest[c] = std::max(highest[c], both);
-  }
+/// Raises `highest` to the means.
+KERFBENCH_WIDE void raiseToMeans(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* highest,
+                                 std::size_t count) {
+  for (std::size_t c = 0; c < count; ++c) highest[c] = std::max(highest[c], meanOf(a[c], b[c]));
 }
 
 KERFBENCH_WIDE std::uint8_t highestOf(const std::uint8_t* values, int count) {
   std::uint8_t best = 0;
   for (int i = 0; i < count; ++i) best = std::max(best, values[i]);
   return best;
-}
-
-int mean2x2(const GrayImage& image, int c, int r) {
-  const int left = (image.at(c, r) + image.at(c, r + 1) + 1) >> 1;
-  const int right = (image.at(c + 1, r) + image.at(c + 1, r + 1) + 1) >> 1;
-  return (left + right + 1) >> 1;
 }
 
 /// Sorts each column of a table by itself: neighbours are swapped in turn, whole rows at once, without a
@@ -183,59 +177,109 @@ std::vector<int> filledIn(const std::vector<std::uint8_t>& own, int columns, int
   return level;
 }
 
-/// The brightest mean of 2 x 4 pixels of each cell.
-class CellMaxima {
+/// Tells by every other row what the cells can hold: the brightest mean of two columns and two such rows. A
+/// spot between two of the rows shines into both of them.
+class CellHints {
  public:
-  explicit CellMaxima(const GrayImage& image)
-      : image_(image), width_(static_cast<std::size_t>(image.width)), rows_(width_), before_(width_) {}
+  explicit CellHints(const GrayImage& image)
+      : image_(image),
+        width_(static_cast<std::size_t>(image.width)),
+        means_(width_),
+        before_(width_),
+        highest_(width_) {}
 
   void addBand(int top, int bottom) {
-    std::vector<std::uint8_t> highest(width_, 0);
-    for (int r = top; r < bottom; r += 2) addPair(r, highest);
+    std::ranges::fill(highest_, std::uint8_t{0});
+    for (int r = top; r < bottom; r += 2) {
+      addRow(r);
+      // At the picture's border no row beyond would see the spot.
+      if (r == 0 || r == image_.height - 2) addRow(r + 1);
+    }
     for (int left = 0; left < image_.width; left += kCell)
-      maxima_.push_back(highestOf(highest.data() + left, std::min(kCell, image_.width - 1 - left)));
+      hints_.push_back(highestOf(highest_.data() + left, std::min(kCell, image_.width - 1 - left)));
   }
-  [[nodiscard]] const std::vector<std::uint8_t>& maxima() const { return maxima_; }
+  [[nodiscard]] const std::vector<std::uint8_t>& hints() const { return hints_; }
 
  private:
-  void addPair(int r, std::vector<std::uint8_t>& highest) {
-    // An odd last row goes with the one before.
-    const std::uint8_t* upper =
-        image_.pixels.data() + static_cast<std::size_t>(std::min(r, image_.height - 2)) * width_;
-    fetch(r + kFetchRows);
-    rowMeans(upper, upper + width_, rows_.data(), width_);
-    if (r == 0) {
-      for (std::size_t c = 0; c + 1 < width_; ++c) before_[c] = meanOf(rows_[c], rows_[c + 1]);
-    }
-    foldPair(rows_.data(), before_.data(), highest.data(), width_ - 1);
+  void addRow(int r) {
+    const std::uint8_t* const row = rowOf(r);
+    if (r + kFetchRows < image_.height) fetch(rowOf(r + kFetchRows));
+    takeMeans(row, row + 1, means_.data(), width_ - 1);
+    raiseToMeans(means_.data(), r == 0 ? means_.data() : before_.data(), highest_.data(), width_ - 1);
+    std::swap(means_, before_);
   }
-
-  /// Asks the memory for two rows that are needed soon: left to itself it keeps us waiting for two thirds of
-  /// the time.
-  void fetch(int r) const {
-    if (r + 2 > image_.height) return;
-    const std::uint8_t* begin = image_.pixels.data() + static_cast<std::size_t>(r) * width_;
-    for (std::size_t i = 0; i < 2 * width_; i += kCacheLine) __builtin_prefetch(begin + i);
+  [[nodiscard]] const std::uint8_t* rowOf(int r) const {
+    return image_.pixels.data() + static_cast<std::size_t>(r) * width_;
+  }
+  /// Asks the memory for a row that is needed soon: left to itself it keeps us waiting.
+  void fetch(const std::uint8_t* row) const {
+    for (std::size_t i = 0; i < width_; i += kCacheLine) __builtin_prefetch(row + i);
   }
 
   const GrayImage& image_;
   std::size_t width_;
-  std::vector<std::uint8_t> rows_;
-  std::vector<std::uint8_t> before_;
-  std::vector<std::uint8_t> maxima_;
+  std::vector<std::uint8_t> means_;   ///< Means of two neighbours in the row.
+  std::vector<std::uint8_t> before_;  ///< Those of the row before it.
+  std::vector<std::uint8_t> highest_;
+  std::vector<std::uint8_t> hints_;
 };
 
-/// The brightest 2 x 2 pixels in the cell at a pixel and two rows around it.
-BrightPeak brightestIn(const GrayImage& image, int left, int top) {
-  BrightPeak best{left, top, -1};
-  for (int r = std::max(image.top, top - 2); r < std::min(image.bottom(), top + kCell + 2); ++r) {
-    for (int c = left; c < std::min(image.right(), left + kCell); ++c) {
-      const int mean = mean2x2(image, c, r);
-      if (mean > best.height) best = {c, r, mean};
+/// A close look at one cell, by all of its rows.
+class CellLook {
+ public:
+  /// `left`, `top`: the cell's first pixel, counted from the picture's own first.
+  CellLook(const GrayImage& image, int left, int top)
+      : image_(image),
+        left_(left),
+        top_(top),
+        count_(static_cast<std::size_t>(std::min(kCell, image.width - 1 - left))) {}
+
+  /// The brightest mean of 2 x 4 pixels, on every second row.
+  [[nodiscard]] int brightest2x4() const {
+    // The pair of rows above the cell belongs to its first mean; the picture's first pair goes with itself.
+    Means before = squaresAt(std::max(0, top_ - 2));
+    Means highest{};
+    for (int r = top_; r < std::min(image_.height, top_ + kCell); r += 2) {
+      // An odd last row goes with the one before.
+      const Means here = squaresAt(std::min(r, image_.height - 2));
+      raiseToMeans(here.data(), before.data(), highest.data(), count_);
+      before = here;
     }
+    return highestOf(highest.data(), static_cast<int>(count_));
   }
-  return best;
-}
+
+  /// The brightest 2 x 2 pixels in the cell and two rows around it.
+  [[nodiscard]] BrightPeak brightest2x2() const {
+    BrightPeak best{image_.left + left_, image_.top + top_, -1};
+    for (int r = std::max(0, top_ - 2); r < std::min(image_.height - 1, top_ + kCell + 2); ++r) {
+      const Means here = squaresAt(r);
+      const int highest = highestOf(here.data(), static_cast<int>(count_));
+      if (highest <= best.height) continue;
+      const auto place = std::ranges::find(here, highest) - here.begin();
+      best = {image_.left + left_ + static_cast<int>(place), image_.top + r, highest};
+    }
+    return best;
+  }
+
+ private:
+  using Means = std::array<std::uint8_t, kCell>;
+
+  /// Means of 2 x 2 pixels, first of each column's.
+  [[nodiscard]] Means squaresAt(int r) const {
+    const std::uint8_t* const upper = image_.pixels.data() +
+                                      static_cast<std::size_t>(r) * static_cast<std::size_t>(image_.width) +
+                                      static_cast<std::size_t>(left_);
+    std::array<std::uint8_t, kCell + 1> rows{};
+    takeMeans(upper, upper + image_.width, rows.data(), count_ + 1);
+    Means means{};
+    takeMeans(rows.data(), rows.data() + 1, means.data(), count_);
+    return means;
+  }
+
+  const GrayImage& image_;
+  int left_, top_;
+  std::size_t count_;  ///< Columns that have a neighbour to the right.
+};
 
 }  // namespace
 
@@ -263,12 +307,13 @@ Background::Background(const GrayImage& image, const std::function<void(int, int
 
 BrightnessScan scanBrightness(const GrayImage& image, std::size_t max) {
   if (image.width < 2 || image.height < 2) return {Background(image), {}};
-  CellMaxima cells(image);
+  CellHints cells(image);
   BrightnessScan scan{Background(image, [&](int top, int bottom) { cells.addBand(top, bottom); }), {}};
   const Background& background = scan.background;
   // The mean of eight pixels has 0.35 of the noise; 5.7 sigma leaves less than one false peak in a large
   // picture, which no fit takes for a spot. The averaging instruction rounds up, three times.
   const int threshold = static_cast<int>(std::ceil(std::max(5.0, 2.0 * background.noise() + 1.5)));
+  const int hint_threshold = threshold - (threshold + kHintsLess - 1) / kHintsLess;
   struct Candidate {
     BrightPeak peak;
     int cell_x;
@@ -277,14 +322,13 @@ BrightnessScan scanBrightness(const GrayImage& image, std::size_t max) {
   std::vector<Candidate> candidates;
   for (int j = 0; j < background.rows(); ++j) {
     for (int i = 0; i < background.columns(); ++i) {
-      const int left = image.left + i * kCell;
-      const int top = image.top + j * kCell;
-      const int board = background.at(left, top);
-      if (cells.maxima()[static_cast<std::size_t>(j) * static_cast<std::size_t>(background.columns()) +
-                         static_cast<std::size_t>(i)] < board + threshold) {
-        continue;
-      }
-      BrightPeak peak = brightestIn(image, left, top);
+      const int board = background.at(image.left + i * kCell, image.top + j * kCell);
+      const std::size_t cell = static_cast<std::size_t>(j) * static_cast<std::size_t>(background.columns()) +
+                               static_cast<std::size_t>(i);
+      if (cells.hints()[cell] < board + hint_threshold) continue;
+      CellLook look(image, i * kCell, j * kCell);
+      if (look.brightest2x4() < board + threshold) continue;
+      BrightPeak peak = look.brightest2x2();
       peak.height -= board;
       candidates.push_back({peak, i, j});
     }

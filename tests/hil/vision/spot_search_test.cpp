@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// No place of the picture hides a spot: the search uses means of 2 x 4 pixels on every second row.
+// No place of the picture hides a spot: the search uses means of 2 x 4 pixels on every second row, where
+// every other row hints at one.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -23,11 +25,14 @@ constexpr double kBoard = 110.0;
 GrayImage pictureOf(int width, int height, const Vector2d& spot_px, double sigma_px, double gray,
                     std::uint64_t seed = 0) {
   const CounterRandom random(seed, 1);
+  const auto bell = [&](double off_px) { return std::exp(-0.5 * off_px * off_px / (sigma_px * sigma_px)); };
+  std::vector<double> across;
+  for (int c = 0; c < width; ++c) across.push_back(bell(c - spot_px.x()));
   GrayImage image(width, height);
   for (int r = 0; r < height; ++r) {
+    const double along = gray * bell(r - spot_px.y());
     for (int c = 0; c < width; ++c) {
-      double value =
-          kBoard + gray * std::exp(-0.5 * (Vector2d(c, r) - spot_px).squaredNorm() / (sigma_px * sigma_px));
+      double value = kBoard + along * across[static_cast<std::size_t>(c)];
       const auto index =
           static_cast<std::uint64_t>(r) * static_cast<std::uint64_t>(width) + static_cast<std::uint64_t>(c);
       if (seed != 0) value += std::sqrt(0.64 + value * 0.0255) * random.normal(index);
@@ -70,6 +75,79 @@ TEST(SpotSearch, NoPlaceHidesASpot) {
     }
   }
   std::printf("  %d places, none missed\n", places);
+}
+
+/// A spot alone on a board whose noise, as it is told by steps between samples, is that of a dark column
+/// beside each of them.
+GrayImage onSteppedBoard(const Vector2d& spot_px, double sigma_px, double gray, int step_gray) {
+  constexpr int kWidth = 48;
+  constexpr int kHeight = 80;
+  constexpr int kSamplesPx = 16;
+  const auto bell = [&](double off_px) { return std::exp(-0.5 * off_px * off_px / (sigma_px * sigma_px)); };
+  std::array<double, kWidth> across{};
+  for (int c = 0; c < kWidth; ++c) across[static_cast<std::size_t>(c)] = bell(c - spot_px.x());
+  GrayImage image(kWidth, kHeight);
+  for (int r = 0; r < kHeight; ++r) {
+    const double along = gray * bell(r - spot_px.y());
+    for (int c = 0; c < kWidth; ++c) {
+      const double board = kBoard - (c % kSamplesPx == 1 ? step_gray : 0);
+      image.at(c, r) = static_cast<std::uint8_t>(board + along * across[static_cast<std::size_t>(c)] + 0.5);
+    }
+  }
+  return image;
+}
+
+/// Whether a mean of 2 x 4 pixels on every second row stands out of the board, taken pixel by pixel.
+bool standsOut(const GrayImage& image) {
+  const Background background(image);
+  const double least = std::ceil(std::max(5.0, 2.0 * background.noise() + 1.5));
+  const auto mean = [](int a, int b) { return (a + b + 1) / 2; };
+  const auto square = [&](int c, int r) {
+    return mean(mean(image.at(c, r), image.at(c, r + 1)), mean(image.at(c + 1, r), image.at(c + 1, r + 1)));
+  };
+  for (int r = 0; r + 1 < image.height; r += 2) {
+    for (int c = 0; c + 1 < image.width; ++c) {
+      if (mean(square(c, std::max(0, r - 2)), square(c, r)) >= background.at(c, r) + least) return true;
+    }
+  }
+  return false;
+}
+
+// The faintest spot that all rows would show, from as sharp as 0.8 px to as wide as 4 px, at eighths of
+// pixels: in a cell, where two bands of cells meet, and at the picture's borders; on a quiet board and on
+// noisy ones.
+TEST(SpotSearch, EveryOtherRowHintsAtAllThatTheRowsShow) {
+  std::vector<double> rows;
+  for (int k = 0; k <= 16; ++k) {
+    for (const double base : {20.0, 62.0}) rows.push_back(base + k / 8.0);
+  }
+  for (int k = 0; k <= 8; ++k) {
+    for (const double base : {0.0, 64.0, 78.0}) rows.push_back(base + k / 8.0);
+  }
+  const auto expectFaintestFound = [](const Vector2d& spot_px, double sigma_px, int step_gray) {
+    double hidden = 0.0;
+    double shown = 140.0;
+    while (shown - hidden > 0.5) {
+      const double gray = 0.5 * (hidden + shown);
+      (standsOut(onSteppedBoard(spot_px, sigma_px, gray, step_gray)) ? shown : hidden) = gray;
+    }
+    const GrayImage faintest = onSteppedBoard(spot_px, sigma_px, shown, step_gray);
+    EXPECT_FALSE(scanBrightness(faintest, 4).peaks.empty())
+        << spot_px.transpose() << ", sigma " << sigma_px << " px, " << shown << " gray, steps of "
+        << step_gray;
+  };
+  int spots = 0;
+  for (const int step_gray : {0, 3, 5, 8}) {
+    for (const double sigma_px : {0.8, 0.9, 1.0, 1.4, 2.0, 3.0, 4.0}) {
+      for (const double row : rows) {
+        for (const double column : {24.0, 24.25, 24.5, 24.625}) {
+          ++spots;
+          expectFaintestFound({column, row}, sigma_px, step_gray);
+        }
+      }
+    }
+  }
+  std::printf("  %d spots, none missed\n", spots);
 }
 
 TEST(SpotSearch, SomethingBrighterInTheSameRowOrColumnHidesNoSpot) {
