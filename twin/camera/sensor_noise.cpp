@@ -47,20 +47,28 @@ KERFBENCH_WIDE void drawWords(const CounterRandom& random, std::uint64_t first, 
   for (std::size_t i = 0; i < count; ++i) words[i] = random.bits(first + i);
 }
 
-/// Four pixels share 64 random bits, 16 each, of which the lower 12 are used. At most kChunk pixels.
-void sampleNormals(const std::array<float, kQuantiles>& table, const CounterRandom& random,
-                   std::uint64_t index, std::size_t count, float* out) {
-  std::array<std::uint64_t, kWords + 1> words;  // The first and the last may be used in part.
-  const auto skipped = static_cast<std::size_t>(index % kPerWord);
-  const std::size_t word_count = (skipped + count + kPerWord - 1) / kPerWord;
-  drawWords(random, index / kPerWord, word_count, words.data());
-  std::array<float, kChunk + 2 * kPerWord> normals;
-  for (std::size_t i = 0; i < word_count; ++i) {
-    for (std::size_t lane = 0; lane < kPerWord; ++lane)
-      normals[kPerWord * i + lane] = table[(words[i] >> (16U * lane)) % kQuantiles];
+/// Normal deviates of at most kChunk pixels. Four pixels share 64 random bits, 16 each, of which the lower 12
+/// are used.
+class NormalDraws {
+ public:
+  /// Draws for the pixels from `index` on; valid until the next draw.
+  const float* draw(const CounterRandom& random, std::uint64_t index, std::size_t count) {
+    const auto skipped = static_cast<std::size_t>(index % kPerWord);
+    const std::size_t word_count = (skipped + count + kPerWord - 1) / kPerWord;
+    drawWords(random, index / kPerWord, word_count, words_.data());
+    for (std::size_t i = 0; i < word_count; ++i) {
+      for (std::size_t lane = 0; lane < kPerWord; ++lane)
+        normals_[kPerWord * i + lane] = table_[(words_[i] >> (16U * lane)) % kQuantiles];
+    }
+    return normals_.data() + skipped;
   }
-  std::copy_n(normals.begin() + static_cast<std::ptrdiff_t>(skipped), count, out);
-}
+
+ private:
+  const std::array<float, kQuantiles>& table_ = normalQuantiles();
+  // The first and the last word may be used in part.
+  std::array<std::uint64_t, kWords + 1> words_;
+  std::array<float, kChunk + kPerWord> normals_;
+};
 
 /// What turns light and a normal deviate into a level.
 struct Sensor {
@@ -102,14 +110,12 @@ SensorNoise::SensorNoise(double read_noise, double full_well_electrons, int bits
 template <typename Level>
 void SensorNoise::exposeAs(std::span<const float> light, const CounterRandom& random,
                            std::uint64_t first_index, Level* out) const {
-  const auto& table = normalQuantiles();
   const Sensor sensor{read_variance_, shot_variance_per_gray_, static_cast<float>(1 << (bits_ - 8)),
                       static_cast<float>((1 << bits_) - 1)};
-  std::array<float, kChunk> normal;
+  NormalDraws normals;
   for (std::size_t begin = 0; begin < light.size(); begin += kChunk) {
     const std::span<const float> chunk = light.subspan(begin, std::min(kChunk, light.size() - begin));
-    sampleNormals(table, random, first_index + begin, chunk.size(), normal.data());
-    toLevels(sensor, chunk, normal.data(), out + begin);
+    toLevels(sensor, chunk, normals.draw(random, first_index + begin, chunk.size()), out + begin);
   }
 }
 

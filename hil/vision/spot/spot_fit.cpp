@@ -128,10 +128,8 @@ class SpotProblem {
   /// Counts pixels by the noise of the light that the model expects there: by the light that was seen, bright
   /// noise would count less than dark noise.
   void weigh(SpotShape shape, const Vector& q) {
-    forEach([&](Pixel& pixel, int c, int r) {
-      const double variance = noise_.variance(spotLight(shape, q, c, r, pixel.cover).value);
-      pixel.weight = pixel.used ? 1.0 / variance : 0.0;
-    });
+    model(shape, q);
+    for (Pixel& pixel : pixels_) pixel.weight = pixel.used ? 1.0 / noise_.variance(pixel.light.value) : 0.0;
   }
   [[nodiscard]] Sums sums(SpotShape shape, const Vector& q);
   [[nodiscard]] std::vector<SpotFit::Influence> influences(SpotShape shape, const Vector& q,
@@ -144,7 +142,20 @@ class SpotProblem {
     double cover{};
     double weight{1.0};
     bool used{true};
+    SpotLight light{};  ///< What the model says for modelled_q_.
+    Vector by_q{Vector::Zero()};
   };
+
+  /// Lets the model light the pixels, unless these parameters were the last.
+  void model(SpotShape shape, const Vector& q) {
+    if (modelled_ && shape == modelled_shape_ && q == modelled_q_) return;
+    forEach([&](Pixel& pixel, int c, int r) {
+      if (pixel.used) pixel.light = spotLight(shape, q, c, r, pixel.cover, pixel.by_q);
+    });
+    modelled_ = true;
+    modelled_shape_ = shape;
+    modelled_q_ = q;
+  }
 
   void leaveOutPrint();
 
@@ -160,6 +171,9 @@ class SpotProblem {
   PixelNoise noise_;
   bool printed_;
   std::vector<Pixel> pixels_;
+  bool modelled_{false};
+  SpotShape modelled_shape_{};
+  Vector modelled_q_{Vector::Zero()};
 };
 
 /// Print that is not listed is no part of the model: neither are its blurred edges.
@@ -181,20 +195,20 @@ void SpotProblem::leaveOutPrint() {
 }
 
 Sums SpotProblem::sums(SpotShape shape, const Vector& q) {
+  model(shape, q);
   Sums sums;
-  Vector j;
-  forEach([&](const Pixel& pixel, int c, int r) {
-    if (!pixel.used) return;
-    const SpotLight light = spotLight(shape, q, c, r, pixel.cover, j);
+  for (const Pixel& pixel : pixels_) {
+    if (!pixel.used) continue;
+    const SpotLight& light = pixel.light;
     // Saturated pixel that agrees with the model, and adds nothing.
     if (pixel.value >= kSaturated && light.value >= kSaturated) {
       ++sums.saturated;
-      return;
+      continue;
     }
     const double w = pixel.weight;
     const double residual = pixel.value - std::min(light.value, 255.0);
     sums.cost += w * residual * residual;
-    if (light.value > 255.0) return;
+    if (light.value > 255.0) continue;
     if (light.bell < kFaint) {  // Plain board or ink: most pixels.
       const double m = pixel.cover;
       sums.normal(6, 6) += w;
@@ -202,44 +216,46 @@ Sums SpotProblem::sums(SpotShape shape, const Vector& q) {
       sums.normal(7, 7) += w * m * m;
       sums.gradient[6] += w * residual;
       sums.gradient[7] += w * residual * m;
-      return;
+      continue;
     }
-    sums.normal.selfadjointView<Eigen::Lower>().rankUpdate(j, w);
-    sums.gradient += w * residual * j;
-  });
+    sums.normal.selfadjointView<Eigen::Lower>().rankUpdate(pixel.by_q, w);
+    sums.gradient += w * residual * pixel.by_q;
+  }
   sums.normal.triangularView<Eigen::StrictlyUpper>() = sums.normal.transpose();
   if (!printed_) sums.normal(7, 7) = 1.0;
   return sums;
 }
 
 ShotEvidence SpotProblem::shot(SpotShape shape, const Vector& q, const Matrix& inverse) {
+  model(shape, q);
   ShotEvidence evidence;
-  Vector j;
-  forEach([&](const Pixel& pixel, int c, int r) {
-    if (!pixel.used) return;
-    const SpotLight light = spotLight(shape, q, c, r, pixel.cover, j);
+  for (const Pixel& pixel : pixels_) {
+    if (!pixel.used) continue;
+    const SpotLight& light = pixel.light;
+    const Vector& j = pixel.by_q;
     const double brighter = light.value - noise_.board_gray;
-    if (light.bell < 0.02 || brighter <= 0.0 || light.value > 0.9 * kSaturated) return;
+    if (light.bell < 0.02 || brighter <= 0.0 || light.value > 0.9 * kSaturated) continue;
     // The fit takes its share of the pixel's noise along with it.
     const double left = 1.0 - pixel.weight * j.dot(inverse * j);
-    if (left < 0.3) return;
+    if (left < 0.3) continue;
     const double residual = pixel.value - light.value;
     const double w2 = pixel.weight * pixel.weight * left * left;
     evidence.products += w2 * brighter * (residual * residual / left - noise_.board_variance);
     evidence.squares += w2 * brighter * brighter;
-  });
+  }
   return evidence;
 }
 
 std::vector<SpotFit::Influence> SpotProblem::influences(SpotShape shape, const Vector& q,
                                                         const Matrix& inverse) {
+  model(shape, q);
   std::vector<SpotFit::Influence> all;
-  Vector j;
   forEach([&](const Pixel& pixel, int c, int r) {
     if (!pixel.used) return;
-    const SpotLight light = spotLight(shape, q, c, r, pixel.cover, j);
+    const SpotLight& light = pixel.light;
     if (light.bell < 1e-3 || light.value > 255.0) return;
-    all.push_back({c, r, pixel.weight * (inverse.topRows<2>() * j), light.value - noise_.board_gray});
+    all.push_back(
+        {c, r, pixel.weight * (inverse.topRows<2>() * pixel.by_q), light.value - noise_.board_gray});
   });
   return all;
 }
