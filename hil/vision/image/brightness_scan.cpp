@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "hil/vision/image/level_histogram.h"
@@ -219,7 +220,7 @@ class CellHints {
   const GrayImage& image_;
   std::size_t width_;
   std::vector<std::uint8_t> means_;   ///< Means of two neighbours in the row.
-  std::vector<std::uint8_t> before_;  ///< Those of the row before it.
+  std::vector<std::uint8_t> before_;  ///< The same of the row read before.
   std::vector<std::uint8_t> highest_;
   std::vector<std::uint8_t> hints_;
 };
