@@ -17,7 +17,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Tolerance of a flattened curve; leaves half of the 2 um for the four decimals of the G-code.
+/// Tolerance of a flattened curve and of a polygon; leaves half of the 2 um for the four decimals of the
+/// G-code.
 constexpr double kFlattenMm = 0.001;
 
 double zOf(dieline::Process process, const JobParameters& job) {
@@ -78,10 +79,16 @@ void rotateToDownstreamCorner(Chain& chain) {
   std::rotate(segments.begin(), segments.begin() + static_cast<std::ptrdiff_t>(best), segments.end());
 }
 
+/// Chords of an arc that leave it by no more than the tolerance: a hole may lie close to a large outline.
+int chordsOf(const Segment& arc) {
+  const double widest_rad = 2.0 * std::acos(1.0 - std::min(1.0, kFlattenMm / arc.radiusMm()));
+  return 4 + static_cast<int>(std::abs(arc.sweep_rad) / widest_rad);
+}
+
 std::vector<Vector2d> polygonOf(const Chain& chain) {
   std::vector<Vector2d> points;
   for (const Segment& segment : chain.segments) {
-    const int parts = segment.isArc() ? 4 + static_cast<int>(std::abs(segment.sweep_rad) * 12.0) : 1;
+    const int parts = segment.isArc() ? chordsOf(segment) : 1;
     for (int i = 0; i < parts; ++i) points.push_back(segment.at(segment.lengthMm() * i / parts));
   }
   return points;

@@ -75,10 +75,10 @@ std::map<int, std::vector<Segment>> marksOf(const dieline::Dieline& dieline, con
 double distanceTo(const std::vector<Segment>& path, const Eigen::Vector2d& p) {
   double nearest = INFINITY;
   for (const Segment& segment : path) {
-    constexpr int kParts = 400;
-    for (int i = 0; i < kParts; ++i) {
-      const Eigen::Vector2d a = segment.at(segment.lengthMm() * i / kParts);
-      const Eigen::Vector2d b = segment.at(segment.lengthMm() * (i + 1) / kParts);
+    const int parts = segment.isArc() ? 400 : 1;
+    for (int i = 0; i < parts; ++i) {
+      const Eigen::Vector2d a = segment.at(segment.lengthMm() * i / parts);
+      const Eigen::Vector2d b = segment.at(segment.lengthMm() * (i + 1) / parts);
       const double u = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
       nearest = std::min(nearest, (a + u * (b - a) - p).norm());
     }
@@ -140,6 +140,20 @@ TEST(Nesting, OfALayerThatIsIgnoredDoesNotCount) {
   for (int id = 0; id < 8; ++id) dieline.entities[static_cast<std::size_t>(id)].process = Process::kIgnore;
   const auto marks = marksOf(chosen(dieline, "8"), jobWith(Order::kShortest, 0.132));
   EXPECT_NEAR(radiusOf(marks.at(8)), 2.632, 1e-3);
+}
+
+TEST(Nesting, SeesAHoleCloseToTheArcOfALargeOutline) {
+  // The hole comes within 0.05 mm of a circle of 100 mm, where a polygon of 79 sides would have left it
+  // outside.
+  const double angle_rad = 1.0 / 24.0;
+  const Eigen::Vector2d centre = 98.95 * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+  const double towards_centre_deg = 180.0 + angle_rad * 180.0 / 3.14159265358979;
+  const dieline::Dieline dieline =
+      test::dielineOf({arc(0, 0, 100, 0, 360), arc(centre.x(), centre.y(), 1, towards_centre_deg, 360)});
+  const Compensated done = compensate(dieline, jobWith(Order::kShortest, 0.02));
+  ASSERT_EQ(done.offset.paths.size(), 2U);
+  EXPECT_NEAR(radiusOf(done.offset.paths[0].segments), 100.02, 1e-9);
+  EXPECT_NEAR(radiusOf(done.offset.paths[1].segments), 0.98, 1e-9);
 }
 
 TEST(Nesting, AFurtherSelectionKeepsWhatTheFirstLeftOut) {
