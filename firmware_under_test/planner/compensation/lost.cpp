@@ -13,10 +13,10 @@ using Eigen::Vector2d;
 
 constexpr double kSharpestRad = 5.0 * std::numbers::pi / 6.0;
 constexpr double kNextToMm = 1e-5;
-/// A leg of a corner may bend away from the beam by so much in all.
-constexpr double kBowRad = 20.0 / 180.0 * std::numbers::pi;
-/// How much deeper than with straight legs a corner with bowed ones may be; beyond, there is a pocket in it.
-constexpr double kBowShare = 1.5;
+/// Most that the legs of a corner may bend away from the beam, as a share of what the stretch turns towards
+/// it. Beyond, little of the corner is left outside of the stretch: it is a notch or a pocket, which is lost
+/// as a whole.
+constexpr double kBowShare = 1.0 / 3.0;
 
 /// A stretch of one segment, in its arc length.
 struct Interval {
@@ -142,10 +142,11 @@ LostStretch describe(const Contour& contour, const std::vector<Interval>& run,
   // The beam touches both ends of a corner at once.
   const Vector2d apart = centreAt(contour, run.front().segment, run.front().from_mm, radius_mm) -
                          centreAt(contour, run.back().segment, run.back().to_mm, radius_mm);
-  const double turn = turning.towards_rad - turning.away_rad;
-  const bool is_corner =
-      turn < kSharpestRad + 1e-6 && turning.away_rad < kBowRad &&
-      lost.depth_mm < kBowShare * radius_mm * (1.0 / std::cos(0.5 * turn) - 1.0) + kShallowMm;
+  // Legs that bend away open a corner, so that no more is lost than in one with straight legs.
+  const double turn = std::min(turning.towards_rad, kSharpestRad);
+  const bool is_corner = turning.towards_rad < kSharpestRad + 1e-6 &&
+                         turning.away_rad <= kBowShare * turning.towards_rad + 1e-6 &&
+                         lost.depth_mm < radius_mm * (1.0 / std::cos(0.5 * turn) - 1.0) + kShallowMm;
   const bool rounds = apart.norm() < kShallowMm && is_corner;
   lost.kind = rounds ? LostStretch::Kind::kRounded : LostStretch::Kind::kNarrow;
   return lost;
