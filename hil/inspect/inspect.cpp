@@ -244,7 +244,7 @@ InspectionResult inspect(const Evidence& evidence, const Tolerances& limits) {
     measureAndDecide(evidence, limits, nullptr, 0.0, result);
     return result;
   }
-  const checks::EdgeSides edges = checks::kerfSides(*evidence.dieline, limits.edge);
+  const checks::EdgeSides edges = checks::kerfSides(*evidence.dieline, limits.edge, limits.open_cuts);
   append(result.problems, edges.problems);
   Evidence at_edges = evidence;
   const double half_light_mm = checks::halfKerf(evidence.kerf, edges);

@@ -42,6 +42,18 @@ inspect::Tolerances::Edge readEdge(base::YamlReader& checks) {
   return edge == "inside" ? Edge::kInside : Edge::kCentre;
 }
 
+/// The side of open cuts, by default that which the planner is told.
+inspect::Tolerances::OpenCuts readOpenCuts(base::YamlReader& checks, const planner::JobParameters& job) {
+  using OpenCuts = inspect::Tolerances::OpenCuts;
+  using Told = planner::JobParameters::OpenCuts;
+  const bool beside = job.kerf_radius_mm > 0.0;
+  const std::string told = beside && job.open_cuts == Told::kLeft    ? "left"
+                           : beside && job.open_cuts == Told::kRight ? "right"
+                                                                     : "line";
+  const std::string side = checks.choice("open_cuts", {"line", "left", "right"}, told);
+  return side == "left" ? OpenCuts::kLeft : side == "right" ? OpenCuts::kRight : OpenCuts::kCentre;
+}
+
 inspect::Tolerances::OrderedDepth readDepth(base::YamlReader depth) {
   const inspect::Tolerances::OrderedDepth order{depth.number("min", {.min = 0, .max = 1, .fallback = 0.0}),
                                                 depth.number("max", {.min = 0, .max = 1, .fallback = 0.0})};
@@ -74,6 +86,7 @@ void readOrder(base::YamlReader& checks, const Scenario& s, inspect::Tolerances&
 inspect::Tolerances readTolerances(base::YamlReader& checks, const Scenario& s) {
   inspect::Tolerances tolerances;
   tolerances.edge = readEdge(checks);
+  tolerances.open_cuts = readOpenCuts(checks, s.job);
   const auto read = [&](const char* key, double min, double max, double& value) {
     value = checks.number(key, {.min = min, .max = max, .fallback = value});
   };

@@ -249,6 +249,9 @@ Check edgeCheck(Check path, const EdgeSides& sides, double half_kerf_mm, double 
   path.explanation += half_kerf_mm < half_light_mm
                           ? fmt::format(", {:.4f} mm where half of the light comes through.", half_light_mm)
                           : " by the light, as nothing is known of the beam.";
+  if (sides.open_beside > 0)
+    path.explanation += fmt::format(" {} open cuts have the kerf beside them, on the side that was ordered.",
+                                    sides.open_beside);
   if (sides.open > 0)
     path.explanation +=
         fmt::format(" {} open cuts have no inside and are judged by their centre.", sides.open);

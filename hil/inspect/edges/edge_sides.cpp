@@ -95,10 +95,49 @@ bool contains(const Polygon& polygon, const Eigen::Vector2d& p_mm) {
   return inside;
 }
 
-/// Joins the open curves of `ids` to closed contours; what is selected and does not close is counted in
-/// sides.open.
+/// Walks on from an end, `out`, over ends that meet one other. Adds the steps in their order on this way,
+/// each with whether it is walked forwards. True if the way leads back to the end `home`.
+bool walk(const std::vector<int>& ids, const std::vector<End>& ends, std::size_t out, std::size_t home,
+          std::vector<bool>& used, std::vector<Step>& steps) {
+  while (ends[out].partners == 1) {
+    const std::size_t in = ends[out].partner;
+    if (in == home) return true;
+    if (used[in / 2]) return false;
+    used[in / 2] = true;
+    steps.push_back({ids[in / 2], in % 2 == 0});
+    out = in ^ 1U;
+  }
+  return false;
+}
+
+/// Contours that the curves of `ids` make, open or closed. An open one has the sense of its first curve.
+struct Joined {
+  std::vector<Contour> closed;
+  std::vector<std::vector<Step>> open;
+};
+
+Joined joined(const std::vector<int>& ids, const std::vector<End>& ends) {
+  Joined all;
+  std::vector<bool> used(ids.size());
+  for (std::size_t first = 0; first < ids.size(); ++first) {
+    if (used[first]) continue;
+    used[first] = true;
+    std::vector<Step> steps{{ids[first], true}};
+    if (walk(ids, ends, 2 * first + 1, 2 * first, used, steps)) {
+      all.closed.push_back({std::move(steps), {}, 0});
+      continue;
+    }
+    std::vector<Step> before;
+    walk(ids, ends, 2 * first, 2 * first, used, before);
+    for (const Step& step : before) steps.push_back({step.entity, !step.forward});
+    all.open.push_back(std::move(steps));
+  }
+  return all;
+}
+
+/// Joins the open curves of `ids` to closed contours; gives what is selected and does not close its side.
 void joinContours(const dieline::Dieline& dieline, const std::vector<int>& ids,
-                  std::vector<Contour>& contours, EdgeSides& sides) {
+                  Tolerances::OpenCuts open_cuts, std::vector<Contour>& contours, EdgeSides& sides) {
   const auto curveOf = [&](int id) -> const dieline::Curve& {
     return dieline.entities[static_cast<std::size_t>(id)].curve;
   };
@@ -108,28 +147,19 @@ void joinContours(const dieline::Dieline& dieline, const std::vector<int>& ids,
     ends[2 * i + 1].p_mm = dieline::pointAt(curveOf(ids[i]), 1.0);
   }
   meet(ends);
-  std::vector<bool> used(ids.size());
-  for (std::size_t first = 0; first < ids.size(); ++first) {
-    if (used[first]) continue;
-    Contour contour;
-    bool closed = false;
-    for (std::size_t i = first, in = 2 * first; !used[i];) {
-      used[i] = true;
-      contour.steps.push_back({ids[i], in % 2 == 0});
-      const End& out = ends[in ^ 1U];
-      if (out.partners != 1) break;
-      in = out.partner;
-      i = in / 2;
-      closed = in == 2 * first;
-    }
-    if (!closed) {
-      // The rest of an open chain may lie before its first curve; each is open for itself.
-      sides.open += static_cast<int>(std::ranges::count_if(
-          contour.steps, [&](const Step& step) { return !isLeftOut(dieline, step.entity); }));
-      continue;
-    }
+  Joined all = joined(ids, ends);
+  for (Contour& contour : all.closed) {
     for (const Step& step : contour.steps) append(curveOf(step.entity), step.forward, contour.polygon);
     contours.push_back(std::move(contour));
+  }
+  for (const std::vector<Step>& steps : all.open) {
+    for (const Step& step : steps) {
+      if (isLeftOut(dieline, step.entity)) continue;
+      const bool centred = open_cuts == Tolerances::OpenCuts::kCentre;
+      ++(centred ? sides.open : sides.open_beside);
+      const bool left = (open_cuts == Tolerances::OpenCuts::kLeft) == step.forward;
+      sides.side[static_cast<std::size_t>(step.entity)] = centred ? 0 : (left ? 1 : -1);
+    }
   }
   for (std::size_t e = 0; e < ends.size(); ++e) {
     if (ends[e].partners < 2) continue;
@@ -143,7 +173,7 @@ void joinContours(const dieline::Dieline& dieline, const std::vector<int>& ids,
 
 }  // namespace
 
-EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge) {
+EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge, Tolerances::OpenCuts open_cuts) {
   EdgeSides sides;
   sides.side.assign(dieline.entities.size(), 0);
   if (edge == Tolerances::Edge::kCentre) return sides;
@@ -159,7 +189,7 @@ EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge) {
     contour.steps.push_back({entity.id, true});
     append(entity.curve, true, contour.polygon);
   }
-  joinContours(dieline, open, contours, sides);
+  joinContours(dieline, open, open_cuts, contours, sides);
   for (Contour& contour : contours) {
     if (!isJudged(dieline, contour.steps)) continue;
     const Eigen::Vector2d p_mm = contour.polygon[contour.polygon.size() / 3];

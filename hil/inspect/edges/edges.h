@@ -17,19 +17,21 @@ namespace kerfbench::inspect::checks {
 
 /// On which side of each entity the kerf must lie so that the edge of the wanted piece is on the dieline.
 struct EdgeSides {
-  /// Side by entity id: +1 left of the curve in its own sense, -1 right, 0 on it (open cuts, other processes)
-  /// or not selected.
+  /// Side by entity id: +1 left of the curve in its own sense, -1 right, 0 on it (other processes, and open
+  /// cuts that are judged by their centre) or not selected.
   std::vector<int> side;
-  int outlines{};  ///< Closed cuts with the kerf outside. What is not selected is not counted.
-  int holes{};     ///< With the kerf inside.
-  int open{};      ///< Open cuts: they have no inside.
+  int outlines{};     ///< Closed cuts with the kerf outside. What is not selected is not counted.
+  int holes{};        ///< With the kerf inside.
+  int open{};         ///< Open cuts: they have no inside, and are judged by their centre.
+  int open_beside{};  ///< Open cuts beside which the kerf is expected.
   /// Cuts that branch, so that nobody can say which side is the piece.
   std::vector<std::string> problems;
 };
 
 /// From the whole drawing, selected or not: entities drawn as cuts are joined where their ends meet
-/// (0.02 mm), and a closed cut within an odd number of others is a hole. kCentre: all 0.
-EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge);
+/// (0.02 mm), and a closed cut within an odd number of others is a hole. Edge::kCentre: all 0.
+EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge,
+                    Tolerances::OpenCuts open_cuts = Tolerances::OpenCuts::kCentre);
 
 /// The scan with the widths of all kerfs that have an edge as the board is severed, rather than where half of
 /// the light comes through: board of transmission T lets half of the light through at a depth of d = 1 -

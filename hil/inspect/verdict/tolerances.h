@@ -22,9 +22,14 @@ inline constexpr double kOrderedWidthLimit_mm = 0.03;
 struct Tolerances {
   /// What must lie on the dieline: the kerf's centre, or the edge of the wanted piece, with the kerf outside
   /// of closed cuts, inside of them, or outside of outlines and inside of holes (closed cuts within an odd
-  /// number of others). Open cuts and other processes have no such edge and are judged by their centre.
+  /// number of others). Open cuts have no such edge (see OpenCuts); other processes are judged by their
+  /// centre.
   enum class Edge { kCentre, kOutside, kInside, kNesting };
   Edge edge{Edge::kCentre};
+  /// With an edge: where the kerf lies along open cuts, seen along the one of the smallest number of those
+  /// that meet end to end, in its own sense. Left of it the kerf's right edge must lie on the dieline.
+  enum class OpenCuts { kCentre, kLeft, kRight };
+  OpenCuts open_cuts{OpenCuts::kCentre};
 
   /// A perforation as ordered. Between two corners (0.05 rad) or ends, whatever entities it is drawn of, a
   /// whole number of cuts is laid, the first and the last at the corners: cut and bridge are stretched by one

@@ -213,7 +213,7 @@ struct Combination {
 /// All orders, selections, radii and sides of open cuts.
 std::vector<Combination> combinations() {
   std::vector<Combination> selections;
-  for (const char* entities : {"", "7", "2,3", "8-15", "0,12,20-22"})
+  for (const char* entities : {"", "7", "2,3", "8-15", "21", "0,12,20-22"})
     selections.push_back({.entities = entities});
   for (const char* layers : {"holes", "islands,slits", "knife,folds"})
     selections.push_back({.layers = layers});
@@ -320,11 +320,15 @@ TEST(Combinations, NoOrderSelectionRadiusOrSideBurnsAPiece) {
 TEST(Combinations, TheJudgeExpectsTheKerfWhereThePlannerPutsIt) {
   const dieline::Dieline whole = drawing();
   const std::vector<Places> polygons = polygonsOf(whole);
-  for (Combination c : combinations()) {
-    if (c.order != Order::kShortest || c.radius_mm != 0.2 || c.open_cuts != OpenCuts::kOnTheLine) continue;
+  for (const Combination& c : combinations()) {
+    if (c.order != Order::kShortest || c.radius_mm != 0.2) continue;
     SCOPED_TRACE(c.name());
     const dieline::Dieline part = c.part();
-    const auto sides = inspect::checks::kerfSides(part, inspect::Tolerances::Edge::kNesting);
+    using Judged = inspect::Tolerances;
+    const auto open_cuts = c.open_cuts == OpenCuts::kLeft    ? Judged::OpenCuts::kLeft
+                           : c.open_cuts == OpenCuts::kRight ? Judged::OpenCuts::kRight
+                                                             : Judged::OpenCuts::kCentre;
+    const auto sides = inspect::checks::kerfSides(part, Judged::Edge::kNesting, open_cuts);
     EXPECT_TRUE(sides.problems.empty());
     for (const dieline::Entity& entity : part.entities) {
       const double wanted_mm = entity.left_out ? 0.0 : wantedMm(c, whole, polygons, entity.id);

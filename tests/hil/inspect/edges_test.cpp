@@ -71,6 +71,26 @@ TEST(KerfSides, OpenCutsAndOtherProcessesHaveNone) {
   EXPECT_EQ(sides.open, 2);
 }
 
+TEST(KerfSides, OpenCutsHaveTheSideThatIsOrderedAlongTheFirstOfThem) {
+  using Open = Tolerances::OpenCuts;
+  // Three lines end to end: the first is the middle one, the second leads to it against its sense, the third
+  // goes on.
+  const dieline::Dieline dieline = drawingOf(
+      {dieline::LineCurve{{10, 0}, {20, 0}}, dieline::LineCurve{{10, 0}, {0, 5}},
+       dieline::LineCurve{{20, 0}, {30, 5}}, dieline::ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi}});
+  const auto sidesOf = [&](Open side) { return checks::kerfSides(dieline, Edge::kNesting, side).side; };
+  EXPECT_EQ(sidesOf(Open::kLeft), (std::vector<int>{1, -1, 1, -1}));
+  EXPECT_EQ(sidesOf(Open::kRight), (std::vector<int>{-1, 1, -1, -1}));
+  EXPECT_EQ(sidesOf(Open::kCentre), (std::vector<int>{0, 0, 0, -1}));
+  EXPECT_EQ(checks::kerfSides(dieline, Edge::kCentre, Open::kLeft).side, (std::vector<int>{0, 0, 0, 0}));
+  dieline::Dieline part = dieline;
+  part.entities[0].left_out = std::exchange(part.entities[0].process, dieline::Process::kIgnore);
+  const auto sides = checks::kerfSides(part, Edge::kNesting, Open::kLeft);
+  EXPECT_EQ(sides.side, (std::vector<int>{0, -1, 1, -1}));
+  EXPECT_EQ(sides.open, 0);
+  EXPECT_EQ(sides.open_beside, 2);
+}
+
 TEST(KerfSides, CutsThatBranchAreAProblem) {
   const dieline::Dieline dieline =
       drawingOf({dieline::LineCurve{{0, 0}, {60, 0}}, dieline::LineCurve{{60, 0}, {30, 40}},
