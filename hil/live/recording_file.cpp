@@ -17,14 +17,22 @@ bool hasEdges(const source::PinRecording& recording, PinId pin) {
   });
 }
 
-/// All outputs that the machine has, if the scenario names wires: none of them may be missing then.
+/// Outputs that the machine makes no use of.
+std::vector<Signal> spareOf(const scenario::Case& test_case) {
+  return scenario::spareOutputs(test_case.machine, test_case.scenario.belt_by_controller);
+}
+
+/// All outputs that the machine makes use of, by the scenario's names or their own: none of them may be
+/// missing.
 source::ChannelNames namesOf(const scenario::Case& test_case) {
   source::ChannelNames names = test_case.scenario.wires;
-  for (std::size_t i = 0; i < kSignalCount && !test_case.scenario.wires.empty(); ++i) {
+  const std::vector<Signal> spare = spareOf(test_case);
+  for (std::size_t i = 0; i < kSignalCount; ++i) {
     const auto signal = static_cast<Signal>(i);
     const bool is_named =
         std::ranges::find(names, signal, &source::ChannelNames::value_type::first) != names.end();
-    if (!is_named && !isSensor(signal) && test_case.machine.signals.hasOwnWire(signal))
+    const bool is_spare = std::ranges::find(spare, signal) != spare.end();
+    if (!is_named && !is_spare && !isSensor(signal) && test_case.machine.signals.hasOwnWire(signal))
       names.emplace_back(signal, signalName(signal));
   }
   return names;
@@ -72,9 +80,9 @@ source::PinRecording readRecording(const std::filesystem::path& path, const scen
                                    const base::ProgressFn& progress) {
   try {
     source::PinRecording recording =
-        path.extension() == ".sr"
-            ? readSession(path, test_case, progress)
-            : source::readVcd(path, test_case.machine.signals, test_case.scenario.wires, progress);
+        path.extension() == ".sr" ? readSession(path, test_case, progress)
+                                  : source::readVcd(path, test_case.machine.signals, test_case.scenario.wires,
+                                                    spareOf(test_case), progress);
     tellWrongStart(test_case.machine, recording);
     return recording;
   } catch (const std::runtime_error& e) {

@@ -21,4 +21,17 @@ source::StartLevels startLevels(const twin::MachineDescription& machine) {
   return levels;
 }
 
+std::vector<Signal> spareOutputs(const twin::MachineDescription& machine, bool belt_by_controller) {
+  const bool gantry = machine.kind == twin::MachineDescription::Kind::kGantry;
+  std::vector<Signal> puls = gantry ? std::vector{Signal::kGalvoXPul, Signal::kGalvoYPul}
+                                    : std::vector{Signal::kGantryXPul, Signal::kGantryYPul};
+  if (!belt_by_controller) puls.push_back(Signal::kFeedPul);
+  std::vector<Signal> spare;
+  for (const Signal pul : puls) {
+    const auto dir = static_cast<Signal>(static_cast<std::size_t>(pul) + 1);
+    spare.insert(spare.end(), {pul, dir, enableOf(pul)});
+  }
+  return spare;
+}
+
 }  // namespace kerfbench::scenario

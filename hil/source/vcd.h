@@ -44,6 +44,9 @@ struct PinRecording {
   bool sealed{};
 };
 
+/// Signals of which a file of another program may lack the wire: those that the machine makes no use of.
+using SpareSignals = std::vector<Signal>;
+
 /// Names of wires or channels of a file, where they are not those of their signals.
 using ChannelNames = std::vector<std::pair<Signal, std::string>>;
 
@@ -67,15 +70,16 @@ std::string writeVcd(const std::filesystem::path& path, const PinRecording& reco
 ///
 /// Strict, because evidence depends on it: stamps that go back, levels other than 0 and 1 on a wired pin, a
 /// change of such a pin to the level that it has (outside of a dump), unknown identifiers, a wire twice, a
-/// controller's pin of `map` that the file lacks, a word or section of more than 64 MiB, and anything
-/// truncated are refused. The file may be of any size: it is read in pieces.
+/// controller's pin of `map` that the file lacks (but for `spare`, in a file of another program), a word or
+/// section of more than 64 MiB, and anything truncated are refused. The file may be of any size: it is read
+/// in pieces.
 /// @throws std::runtime_error listing every fault (the first 20) with its line, std::system_error with the
 /// path, also of a folder that has no room for the recording (see base::SpilledVector).
 PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names,
-                     const base::ProgressFn& progress = {});
+                     const SpareSignals& spare = {}, const base::ProgressFn& progress = {});
 inline PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map,
                             const base::ProgressFn& progress = {}) {
-  return readVcd(path, map, {}, progress);
+  return readVcd(path, map, ChannelNames(), SpareSignals(), progress);
 }
 
 /// The sum with which a file of Kerfbench ends; nullopt if it has none, or one that does not fit the file.

@@ -42,8 +42,8 @@ struct WordHash {
 class Reader {
  public:
   Reader(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names,
-         const base::ProgressFn& progress)
-      : path_(path.string()), text_(path, progress), map_(map), names_(names) {}
+         const SpareSignals& spare, const base::ProgressFn& progress)
+      : path_(path.string()), text_(path, progress), map_(map), names_(names), spare_(spare) {}
 
   PinRecording read() {
     try {
@@ -102,7 +102,7 @@ class Reader {
     }
     for (std::size_t i = 0; i < kSignalCount; ++i) {
       const auto signal = static_cast<Signal>(i);
-      if (map_.hasOwnWire(signal) && !isSensor(signal) && !seen_[i]) {
+      if (isNeeded(signal) && !seen_[i]) {
         fault("no wire " + nameOf(signal) + ", which the machine has" + std::exchange(strangers_, {}));
       }
       if (isSensor(signal) && seen_[i]) recording_.sensor_wires.push_back(signal);
@@ -208,6 +208,12 @@ class Reader {
   [[nodiscard]] const ChannelNames& names() const {
     static const ChannelNames kNone;
     return own_rate_ ? kNone : names_;
+  }
+
+  /// Files of Kerfbench's own have every wire of the machine; others may lack what it has no use for.
+  [[nodiscard]] bool isNeeded(Signal signal) const {
+    const bool is_spare = !own_rate_ && std::ranges::find(spare_, signal) != spare_.end();
+    return map_.hasOwnWire(signal) && !isSensor(signal) && !is_spare;
   }
 
   [[nodiscard]] std::string nameOf(Signal signal) const {
@@ -432,6 +438,7 @@ class Reader {
   VcdText text_;
   const SignalMap& map_;
   const ChannelNames& names_;
+  const SpareSignals& spare_;
   std::string strangers_;  ///< Wires that are no signal's, for a fault; empty once it was told.
   std::size_t stranger_count_{};
   std::string faults_;
@@ -458,8 +465,8 @@ class Reader {
 }  // namespace
 
 PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names,
-                     const base::ProgressFn& progress) {
-  return Reader(path, map, names, progress).read();
+                     const SpareSignals& spare, const base::ProgressFn& progress) {
+  return Reader(path, map, names, spare, progress).read();
 }
 
 }  // namespace kerfbench::source

@@ -211,6 +211,25 @@ TEST_F(ForeignWires, HaveTheNamesThatTheyAreGiven) {
   EXPECT_EQ(recording.outputs.front().level, 1U << pul.bit);
 }
 
+TEST_F(ForeignWires, OfWhatTheMachineMakesNoUseOfMayBeMissing) {
+  write("X_STEP", "galvo_x_dir", "galvo_y_pul", "laser_gate");
+  EXPECT_THAT(faultOf({}), HasSubstr("no wire galvo_x_pul"));
+  const SpareSignals spare{Signal::kGalvoXPul};
+  EXPECT_TRUE(readVcd(file("foreign.vcd"), sampleMap(), ChannelNames(), spare).outputs.empty());
+  // A file of Kerfbench's own has every wire.
+  const auto own =
+      put("own.vcd",
+          "$comment kerfbench tick 1/1000000 $end $comment kerfbench end 10 $end $timescale 1 us $end\n"
+          "$var wire 1 b galvo_x_dir $end $var wire 1 c galvo_y_pul $end $var wire 1 d laser_gate $end\n"
+          "$enddefinitions $end\n#0 0b 0c 0d\n#10\n");
+  try {
+    (void)readVcd(own, sampleMap(), ChannelNames(), spare);
+    ADD_FAILURE() << "it was read";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no wire galvo_x_pul"));
+  }
+}
+
 TEST_F(ForeignWires, AWireThatIsMissedIsToldWithThoseThatAreNoSignals) {
   write("X_STEP", "galvo_x_dir", "galvo_y_pul", "laser_gate");
   EXPECT_THAT(faultOf({}),
