@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "firmware_under_test/planner/power/library_folder.h"
 #include "firmware_under_test/planner/power/model.h"
 
 namespace kerfbench::scenario {
@@ -14,23 +15,57 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The library that `power` names, if it names one.
+std::optional<planner::LibraryFolder> readLibrary(base::YamlReader& power) {
+  const std::string folder = power.text("library", "");
+  if (folder.empty()) return std::nullopt;
+  try {
+    return planner::LibraryFolder((power.folderOf("library") / folder).lexically_normal());
+  } catch (const planner::PowerError& error) {
+    power.fault("library", error.what());
+    return std::nullopt;
+  }
+}
+
+/// File of a material or a laser: its path, or its number or name in the library.
+fs::path entryOf(base::YamlReader& power, planner::EntryKind kind,
+                 const std::optional<planner::LibraryFolder>& library) {
+  const char* key = planner::nameOf(kind);
+  const std::string wanted = power.has(key) ? power.text(key) : "";
+  if (!planner::isLibraryName(wanted)) return fileOf(power, key);
+  if (!library) {
+    power.fault(key, fmt::format("'{}' is no .yaml file, and no `library` has it by number or name", wanted));
+    return {};
+  }
+  try {
+    const fs::path file = fs::absolute(library->fileOf(kind, wanted)).lexically_normal();
+    power.names(file);
+    return file;
+  } catch (const planner::PowerError& error) {
+    power.fault(key, error.what());
+    return {};
+  }
+}
+
 /// S3: by depth, with a material and a laser, instead of by energy per length.
 std::shared_ptr<const planner::PowerModel> readPower(base::YamlReader& power) {
-  const fs::path material = fileOf(power, "material");
-  const fs::path laser = fileOf(power, "laser");
+  const std::optional<planner::LibraryFolder> library = readLibrary(power);
+  const fs::path material = entryOf(power, planner::EntryKind::kMaterial, library);
+  const fs::path laser = entryOf(power, planner::EntryKind::kLaser, library);
   planner::PowerWish wish{.spot_diameter_mm = power.number("spot_diameter_mm", {.min = 0.01, .max = 10}),
                           .depth_mm = power.number("depth_mm", {.min = 1e-4, .max = 100}),
                           .half_depth_mm = std::nullopt};
   if (power.has("half_depth_mm"))
     wish.half_depth_mm = power.number("half_depth_mm", {.min = 1e-4, .max = 100});
+  if (library) wish.deeper_materials = library->materialsFor(wish.depth_mm);
   const auto read = [&](const char* key, const fs::path& file, auto reader) {
-    decltype(std::optional(reader(file))) library;
+    decltype(std::optional(reader(file))) content;
     try {
-      if (!file.empty()) library = reader(file);
+      if (!file.empty()) content = reader(file);
     } catch (const planner::PowerError& error) {
       power.fault(key, fmt::format("cannot be used:\n{}", error.what()));
     }
-    return library;
+    return content;
   };
   const auto the_material = read("material", material, planner::readMaterial);
   const auto the_laser = read("laser", laser, planner::readLaser);
@@ -89,7 +124,11 @@ planner::JobParameters readJob(base::YamlReader planner, const Scenario& scenari
   job.open_cuts = open_cuts == "left"    ? planner::JobParameters::OpenCuts::kLeft
                   : open_cuts == "right" ? planner::JobParameters::OpenCuts::kRight
                                          : planner::JobParameters::OpenCuts::kOnTheLine;
-  job.allow_lost_features = planner.boolean("allow_lost_features", false);
+  try {
+    job.allow_lost = planner::entityRangesFrom(planner.text("allow_lost_features", ""), "what may be lost");
+  } catch (const planner::PlanError& error) {
+    planner.fault("allow_lost_features", error.what());
+  }
   job.feed_by_controller = scenario.belt_by_controller;
   job.units = scenario.print.units;
   job.pitch_mm = scenario.print.pitch_mm;

@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "firmware_under_test/planner/job/parameter_names.h"
 #include "firmware_under_test/planner/job/pulses.h"
 #include "firmware_under_test/planner/job/target.h"
+#include "firmware_under_test/planner/job/typed_list.h"
 
 namespace kerfbench::planner {
 
@@ -106,8 +108,11 @@ struct JobParameters {
   /// Side of an open cut that the beam takes, as seen along the cut as drawn.
   enum class OpenCuts { kOnTheLine, kLeft, kRight };
   OpenCuts open_cuts{OpenCuts::kOnTheLine};
-  /// True: cut what can be cut of features smaller than the kerf, rather than refuse.
-  bool allow_lost_features{false};
+  /// Entities of which features smaller than the kerf may be lost; what lies between several needs all of
+  /// them.
+  EntityRanges allow_lost{};
+  /// Who gave all this: faults speak of options, or of keys.
+  GivenBy given_by{GivenBy::kScenario};
 };
 
 /// Acceleration of jumps as configured, or else that of marks.

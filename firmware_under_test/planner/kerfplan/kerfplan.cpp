@@ -15,8 +15,10 @@
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "firmware_under_test/planner/head/axes.h"
 #include "firmware_under_test/planner/head/correction.h"
+#include "firmware_under_test/planner/kerfplan/idle_options.h"
 #include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_compensate.h"
+#include "firmware_under_test/planner/kerfplan/kerfplan_library.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_power.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_strip.h"
 #include "firmware_under_test/planner/order/kerf.h"
@@ -265,6 +267,9 @@ CLI::App* jobCommand(CLI::App& app, Options& options, const char* name, const ch
       ->group("Machine");
   addJob(*sub, options.job);
   planner::addPowerOptions(*sub, options.power);
+  sub->final_callback([sub, &options] {
+    planner::refuseIdleOptions(*sub, {options.machine, options.job, options.power, isGcode(options.input)});
+  });
   return sub;
 }
 
@@ -330,6 +335,7 @@ int main(int argc, char** argv) try {
       "broke."};
   app.require_subcommand(1);
   Options options;
+  options.job.given_by = planner::GivenBy::kCommandLine;
   const Commands commands = addCommands(app, options);
   const planner::StripCommands strip(app, options.machine, options.job, [&](CLI::App& command) {
     addMachine(command, options);
@@ -338,12 +344,13 @@ int main(int argc, char** argv) try {
   const planner::CompensateCommand compensate(app);
   const planner::ProveCommand prove(app);
   const planner::PowerCommand power(app);
+  const planner::LibraryCommand library(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 64;
   }
-  if (compensate.run() || prove.run() || power.run()) return 0;
+  if (compensate.run() || prove.run() || power.run() || library.run()) return 0;
   return run(commands, strip, options);
 } catch (const planner::PlanError& error) {
   std::cerr << error.what() << '\n';

@@ -94,8 +94,11 @@ void addKerfOptions(CLI::App& app, JobParameters& j) {
       ->transform(CLI::CheckedTransformer(sides, CLI::ignore_case))
       ->default_str("line")
       ->group(group);
-  app.add_flag("--allow-lost", j.allow_lost_features,
-               "Cut without features smaller than the kerf rather than refuse; they are named")
+  app.add_option_function<std::string>(
+         "--allow-lost",
+         [&j](const std::string& list) { j.allow_lost = entityRangesFrom(list, "--allow-lost"); },
+         "Entities of which features smaller than the kerf may be lost, by id: 12,13-15; without them the "
+         "drawing is refused")
       ->group(group);
 }
 
@@ -111,6 +114,7 @@ CompensateCommand::CompensateCommand(CLI::App& app) : options_(std::make_shared<
       "-o,--output", options_->output,
       "Of a drawing: an .svg picture of dieline, path and cut. Of a contour in space: G-code instead of "
       "standard output");
+  options_->job.given_by = GivenBy::kCommandLine;
   addKerfOptions(*sub_, options_->job);
   const std::map<std::string, Side> sides{{"left", Side::kLeft}, {"right", Side::kRight}};
   sub_->add_option("--side", options_->side, "Side of the beam, seen from the head (.xyz)")

@@ -8,6 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "firmware_under_test/planner/kerfplan/kerfplan_library.h"
+#include "firmware_under_test/planner/power/library_folder.h"
+
 namespace kerfbench::planner {
 
 struct PowerCommand::Options {
@@ -21,12 +24,19 @@ void addFault(std::string& faults, const std::string& fault) {
   faults += (faults.empty() ? "" : "\n") + fault;
 }
 
-/// Reads a file, or records its faults.
+/// File that a number, a name or a path means.
+std::filesystem::path fileOf(EntryKind kind, const std::string& wanted, const std::string& library) {
+  if (!isLibraryName(wanted)) return wanted;
+  if (library.empty()) throw PowerError(fmt::format("'{}' is no file, and there is no --library", wanted));
+  return LibraryFolder(library).fileOf(kind, wanted);
+}
+
+/// Reads an entry, or records its faults.
 template <typename Library>
-std::optional<Library> read(Library (*reader)(const std::filesystem::path&), const std::string& file,
-                            std::string& faults) {
+std::optional<Library> read(Library (*reader)(const std::filesystem::path&), EntryKind kind,
+                            const std::string& wanted, const std::string& library, std::string& faults) {
   try {
-    return reader(file);
+    return reader(fileOf(kind, wanted, library));
   } catch (const PowerError& error) {
     addFault(faults, error.what());
     return std::nullopt;
@@ -48,13 +58,21 @@ std::string outOfReach(const PowerModel& model, double speed_mm_s, double depth_
 
 void addPowerOptions(CLI::App& app, PowerOptions& o) {
   const std::string group = "Power by depth";
-  app.add_option(
-         "--material", o.material,
-         "How deep power over speed and spot diameter cuts (YAML, see fixtures/power/mild-steel.yaml); "
-         "with --laser and --depth, instead of --cut-energy and --full-power")
+  app.add_option("--material", o.material,
+                 "How deep power over speed and spot diameter cuts: number or name in the library, or a file "
+                 "(YAML, see "
+                 "fixtures/power/mild-steel.yaml); "
+                 "with --laser and --depth, instead of --cut-energy and --full-power")
       ->group(group);
-  app.add_option("--laser", o.laser,
-                 "What the laser makes of its control signal (YAML, see fixtures/power/co2-tube-80w.yaml)")
+  app.add_option(
+         "--laser", o.laser,
+         "What the laser makes of its control signal: number or name in the library, or a file (YAML, see "
+         "fixtures/power/co2-tube-80w.yaml)")
+      ->group(group);
+  o.library = shippedLibrary();
+  app.add_option(
+         "--library", o.library,
+         "Folder of numbered materials and lasers, by default the one that is shipped; see kerfplan library")
       ->group(group);
   app.add_option("--depth", o.depth_mm, "Of cuts (Z1), mm")->group(group);
   app.add_option("--half-depth", o.half_depth_mm,
@@ -73,11 +91,12 @@ std::shared_ptr<const PowerModel> powerModelOf(const PowerOptions& o) {
   if (o.depth_mm == 0.0) addFault(faults, "--depth is missing");
   std::optional<Material> material;
   std::optional<LaserTube> laser;
-  if (!o.material.empty()) material = read(readMaterial, o.material, faults);
-  if (!o.laser.empty()) laser = read(readLaser, o.laser, faults);
+  if (!o.material.empty()) material = read(readMaterial, EntryKind::kMaterial, o.material, o.library, faults);
+  if (!o.laser.empty()) laser = read(readLaser, EntryKind::kLaser, o.laser, o.library, faults);
   if (!faults.empty()) throw PowerError(faults);
-  PowerWish wish{o.spot_diameter_mm, o.depth_mm, std::nullopt};
+  PowerWish wish{o.spot_diameter_mm, o.depth_mm, std::nullopt, GivenBy::kCommandLine};
   if (o.half_depth_mm != 0.0) wish.half_depth_mm = o.half_depth_mm;
+  if (isLibraryName(o.material)) wish.deeper_materials = LibraryFolder(o.library).materialsFor(o.depth_mm);
   return std::make_shared<PowerModel>(*std::move(material), *std::move(laser), wish);
 }
 

@@ -11,7 +11,8 @@
 namespace kerfbench::planner {
 
 struct PowerOptions {
-  std::string material, laser;  ///< Files; both or none.
+  std::string material, laser;  ///< Files, or numbers or names in the library; both or none.
+  std::string library;          ///< Folder of numbered materials and lasers.
   double depth_mm{};            ///< Depth of cuts; 0: not given.
   double half_depth_mm{};       ///< Depth of half-cuts; 0: not given.
   double spot_diameter_mm{0.2};

@@ -80,6 +80,48 @@ Work workOf(const std::vector<Chain>& chains, const JobParameters& job, const st
   return work;
 }
 
+bool isAllowed(const EntityRanges& allowed, const std::vector<int>& entities) {
+  return std::ranges::all_of(entities, [&](int entity) { return contains(allowed, entity); });
+}
+
+/// Entities as a user types them: "E3,E7".
+std::string listOf(const std::vector<int>& entities) {
+  std::vector<std::string> names;
+  for (const int entity : entities) names.push_back(fmt::format("E{}", entity));
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+/// What would let the job go on without the feature.
+std::string remedyFor(const LostStretch& lost, const JobParameters& job) {
+  const bool by_key = job.given_by == GivenBy::kScenario;
+  return fmt::format("{}{} {} cuts the rest", nameOf(Parameter::kAllowLost, job.given_by), by_key ? ":" : "",
+                     listOf(lost.entities));
+}
+
+/// Entities that may be lost and of which nothing is.
+void tellNeedless(const std::vector<LostStretch>& all, const std::vector<Chain>& chains,
+                  const JobParameters& job, std::vector<std::string>& notes,
+                  std::vector<std::string>& faults) {
+  std::set<int> drawn;
+  for (const Chain& chain : chains)
+    for (const Segment& segment : chain.segments) drawn.insert(segment.entity);
+  const std::string name = nameOf(Parameter::kAllowLost, job.given_by);
+  for (const auto& range : job.allow_lost) {
+    const auto first = drawn.lower_bound(range.first);
+    const std::string text = range.first == range.second ? fmt::format("E{}", range.first)
+                                                         : fmt::format("E{}-E{}", range.first, range.second);
+    if (first == drawn.end() || *first > range.second) {
+      faults.push_back(fmt::format("{}: there is no {} in the drawing", name, text));
+      continue;
+    }
+    const bool is_lost = std::ranges::any_of(all, [&](const LostStretch& lost) {
+      return lost.kind != LostStretch::Kind::kRounded &&
+             std::ranges::any_of(lost.entities, [&](int entity) { return contains({range}, entity); });
+    });
+    if (!is_lost) notes.push_back(fmt::format("{}: nothing of {} is lost", name, text));
+  }
+}
+
 std::string sentenceOf(const LostStretch& lost, double radius_mm) {
   const std::string place = placeName(lost.entities, lost.p_mm);
   if (lost.kind == LostStretch::Kind::kWhole) {
@@ -102,8 +144,10 @@ void tell(const std::vector<LostStretch>& all, const JobParameters& job, const s
       if (deepest == nullptr || lost.depth_mm > deepest->depth_mm) deepest = &lost;
       continue;
     }
-    const bool refused = lost.depth_mm > kLostMm && !job.allow_lost_features;
-    (refused ? faults : notes).push_back(sentenceOf(lost, job.kerf_radius_mm));
+    const bool refused = lost.depth_mm > kLostMm && !isAllowed(job.allow_lost, lost.entities);
+    std::string sentence = sentenceOf(lost, job.kerf_radius_mm);
+    if (refused) sentence += "; " + remedyFor(lost, job);
+    (refused ? faults : notes).push_back(std::move(sentence));
   }
   if (deepest != nullptr) {
     notes.push_back(fmt::format("{} inner corner{} rounded by the beam, by {:.3f} mm at most: {}", rounded,
@@ -129,6 +173,7 @@ Compensated compensate(const std::vector<Chain>& chains, const JobParameters& jo
     faults.emplace_back(error.what());
   }
   tell(result.offset.lost, job, left_out, result.notes, faults);
+  tellNeedless(result.offset.lost, chains, job, result.notes, faults);
   if (!faults.empty()) {
     throw PlanError(fmt::format("kerf compensation by {:g} mm{}:\n{}", job.kerf_radius_mm,
                                 left_out.empty() ? "" : " (cuts that are not selected count as well)",

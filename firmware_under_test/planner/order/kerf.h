@@ -27,7 +27,7 @@ struct Compensated {
 ///
 /// What the beam is too wide for is never left out without a note: rounded inner corners and features that
 /// are lost are notes; a contour without any path, or a narrow feature off by more than kLostMm, is refused
-/// unless allow_lost_features.
+/// unless all of its entities are in allow_lost. An entity there of which nothing is lost is a note as well.
 ///
 /// The chains are those of the whole drawing, for each path depends on the others. Entities of a closed cut
 /// that are `left_out` of the job have paths as well, but their losses are not told. @throws PlanError that

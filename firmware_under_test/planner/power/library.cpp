@@ -19,6 +19,8 @@ using base::YamlReader;
 /// Largest value, beyond every material and laser; keeps all computed numbers finite.
 constexpr double kMost = 1e6;
 constexpr std::size_t kMostPoints = 1000;
+constexpr int kMostNumber = 99999;
+constexpr double kAllPercent = 100.0;
 
 std::string printable(YamlReader& file, const char* key, const char* fallback) {
   std::string text =
@@ -33,6 +35,11 @@ std::string printable(YamlReader& file, const char* key, const char* fallback) {
     text.clear();
   }
   return text;
+}
+
+int numberOf(YamlReader& file) {
+  if (!file.has("number")) return 0;
+  return static_cast<int>(file.integer("number", {.min = 1, .max = kMostNumber}));
 }
 
 struct Read {
@@ -50,7 +57,7 @@ bool isNumber(YamlReader& row, const char* key) {
 
 /// Reads the points, each with its own line. A value that is no number is reported once, and not compared
 /// with its neighbours.
-Read readPoints(YamlReader& file, const char* x_key, const char* y_key) {
+Read readPoints(YamlReader& file, const char* x_key, const char* y_key, double most_x = kMost) {
   std::vector<YamlReader> rows = file.list("points");
   if (rows.size() < 2 || rows.size() > kMostPoints) {
     file.fault("points", fmt::format("{} of them; a curve has 2 to {}: '- {{{}: …, {}: …}}'", rows.size(),
@@ -60,10 +67,10 @@ Read readPoints(YamlReader& file, const char* x_key, const char* y_key) {
   if (rows.size() > kMostPoints) return read;
   std::optional<double> x_before, y_before;
   for (YamlReader& row : rows) {
-    const auto next = [&](const char* key, std::optional<double>& before) {
+    const auto next = [&](const char* key, double most, std::optional<double>& before) {
       const bool comparable = isNumber(row, key);
-      const double now = row.number(key, {.min = 0.0, .max = kMost});
-      if (!comparable || now < 0.0 || now > kMost) {
+      const double now = row.number(key, {.min = 0.0, .max = most});
+      if (!comparable || now < 0.0 || now > most) {
         read.sound = false;
         return now;
       }
@@ -74,8 +81,8 @@ Read readPoints(YamlReader& file, const char* x_key, const char* y_key) {
       before = now;
       return now;
     };
-    const double x = next(x_key, x_before);
-    read.points.push_back({x, next(y_key, y_before)});
+    const double x = next(x_key, most_x, x_before);
+    read.points.push_back({x, next(y_key, kMost, y_before)});
   }
   return read;
 }
@@ -96,6 +103,7 @@ Curve curveOf(const Read& read) { return read.sound ? Curve(read.points) : Curve
 Material readMaterial(const std::filesystem::path& path) try {
   YamlReader file = opened(path, "material");
   Material material;
+  material.number = numberOf(file);
   material.name = printable(file, "name", nullptr);
   material.source = printable(file, "source", "");
   YamlReader units = file.section("units");
@@ -114,12 +122,13 @@ Material readMaterial(const std::filesystem::path& path) try {
 LaserTube readLaser(const std::filesystem::path& path) try {
   YamlReader file = opened(path, "laser");
   LaserTube laser;
+  laser.number = numberOf(file);
   laser.name = printable(file, "name", nullptr);
   laser.source = printable(file, "source", "");
   YamlReader units = file.section("units");
   laser.control_unit = units.choice("control", {"%", "V"});
   (void)units.choice("power", {"W"});
-  const Read read = readPoints(file, "control", "power");
+  const Read read = readPoints(file, "control", "power", laser.control_unit == "%" ? kAllPercent : kMost);
   laser.full_control = file.number("full_control", {.min = 1e-3, .max = kMost});
   laser.power = curveOf(read);
   const double low_w = laser.power.least().y;

@@ -16,6 +16,7 @@ struct Material {
   /// Depth in mm (y) over P_ua in J/mm² (x). Begins at depth 0; the last point is where it saturates: more
   /// power cuts no deeper.
   Curve depth;
+  int number{};  ///< Stable id in a library, 1 … 99999; 0: the file has none.
 };
 
 /// Laser: g of eq. 4, its power over its control signal.
@@ -28,6 +29,7 @@ struct LaserTube {
   double full_control{};  ///< Control signal u at PWM duty 255/255; >= the curve's last.
   double least_w{};       ///< Least power that burns steadily; within the curve.
   double most_w{};        ///< Largest power that may be used; within the curve.
+  int number{};           ///< Stable id in a library, as that of a material.
 };
 
 /// Reads a file. Formats: fixtures/power/mild-steel.yaml and fixtures/power/co2-tube-80w.yaml. Units must be

@@ -17,7 +17,7 @@ constexpr double kLeastDepth_mm = 1e-4;
 /// Difference of Z that G-code's four decimals do not show.
 constexpr double kSameZ = 5e-5;
 
-std::string depthFault(const char* name, double depth_mm, const Material& material) {
+std::string depthFault(const std::string& name, double depth_mm, const Material& material) {
   if (!(depth_mm >= kLeastDepth_mm) || !std::isfinite(depth_mm))
     return fmt::format("{} must be at least {:g} mm, but is {:g}", name, kLeastDepth_mm, depth_mm);
   const Curve::Point& last = material.depth.greatest();
@@ -35,14 +35,22 @@ PowerModel::PowerModel(Material material, LaserTube laser, const PowerWish& wish
   const auto add = [&](std::string fault) {
     if (!fault.empty()) faults.push_back(std::move(fault));
   };
+  const auto named = [&](Parameter parameter, const char* words) {
+    return wish_.given_by == GivenBy::kScenario ? std::string(words) : nameOf(parameter, wish_.given_by);
+  };
   if (!(wish_.spot_diameter_mm >= 0.01 && wish_.spot_diameter_mm <= 10.0))
-    add(fmt::format("spot diameter must be in 0.01 … 10 mm, but is {:g}", wish_.spot_diameter_mm));
-  add(depthFault("depth", wish_.depth_mm, material_));
+    add(fmt::format("{} must be in 0.01 … 10 mm, but is {:g}",
+                    named(Parameter::kSpotDiameter, "spot diameter"), wish_.spot_diameter_mm));
+  const std::string depth = named(Parameter::kDepth, "depth");
+  const std::string half_depth = named(Parameter::kHalfDepth, "half depth");
+  add(depthFault(depth, wish_.depth_mm, material_));
+  if (wish_.depth_mm > material_.depth.greatest().y && !wish_.deeper_materials.empty())
+    faults.back() += fmt::format("; the library has it in material {}", wish_.deeper_materials);
   if (wish_.half_depth_mm) {
-    add(depthFault("half depth", *wish_.half_depth_mm, material_));
+    add(depthFault(half_depth, *wish_.half_depth_mm, material_));
     if (*wish_.half_depth_mm >= wish_.depth_mm)
-      add(fmt::format("half depth: {:g} mm must be less than the depth of cuts, {:g} mm",
-                      *wish_.half_depth_mm, wish_.depth_mm));
+      add(fmt::format("{}: {:g} mm must be less than the depth of cuts ({}), {:g} mm", half_depth,
+                      *wish_.half_depth_mm, depth, wish_.depth_mm));
   }
   const auto least = laser_.power.inverse(laser_.least_w);
   const auto most = laser_.power.inverse(laser_.most_w);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_under_test/planner/job/parameter_names.h"
 #include "firmware_under_test/planner/power/library.h"
 
 namespace kerfbench::planner {
@@ -15,6 +16,11 @@ struct PowerWish {
   double depth_mm{};             ///< Depth of cuts, Z1; >= 1e-4, no more than the material's greatest.
   /// Depth of creases and half-cuts; > 0, < depth_mm. None: Z times depth_mm.
   std::optional<double> half_depth_mm{};
+  /// Whose names faults use; those of a scenario are told at its keys, in plain words.
+  GivenBy given_by{GivenBy::kScenario};
+  /// Materials of the library in which the depth can be had, for the fault that it cannot; empty: none is
+  /// known.
+  std::string deeper_materials{};
 };
 
 /// The chain of Wang, Li, Chen 2010: depth D → P_ua = f⁻¹(D) → P_out = P_ua F d → u = g⁻¹(P_out), within what

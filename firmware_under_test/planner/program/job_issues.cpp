@@ -79,29 +79,40 @@ class JobChecker {
     if (!holds) faults_.push_back(what);
   }
   // The upper bounds are beyond every machine; they keep all computed numbers finite.
-  void positive(double value, const char* name, double most = 1e6, double least = 0.0) {
-    check(std::isfinite(value) && value > 0.0, fmt::format("{} must be > 0, but is {:g}", name, value));
-    check(!(value > most), fmt::format("{} must be at most {:g}, but is {:g}", name, most, value));
-    check(!(value > 0.0 && value < least),
-          fmt::format("{} must be at least {:g}, but is {:g}", name, least, value));
+  [[nodiscard]] std::string named(Parameter parameter) const { return nameOf(parameter, job_.given_by); }
+  /// Value in the unit of its name.
+  [[nodiscard]] double shown(Parameter parameter, double value) const {
+    return value * scaleOf(parameter, job_.given_by);
   }
-  void notNegative(double value, const char* name) {
-    check(std::isfinite(value) && value >= 0.0, fmt::format("{} must be >= 0, but is {:g}", name, value));
-    check(!(value > 1e6), fmt::format("{} must be at most 1e+06, but is {:g}", name, value));
+  void positive(double value, Parameter parameter, double most = 1e6, double least = 0.0) {
+    const std::string name = named(parameter);
+    const double told = shown(parameter, value);
+    check(std::isfinite(value) && value > 0.0, fmt::format("{} must be > 0, but is {:g}", name, told));
+    check(!(value > most),
+          fmt::format("{} must be at most {:g}, but is {:g}", name, shown(parameter, most), told));
+    check(!(value > 0.0 && value < least),
+          fmt::format("{} must be at least {:g}, but is {:g}", name, shown(parameter, least), told));
+  }
+  void notNegative(double value, Parameter parameter) {
+    const std::string name = named(parameter);
+    const double told = shown(parameter, value);
+    check(std::isfinite(value) && value >= 0.0, fmt::format("{} must be >= 0, but is {:g}", name, told));
+    check(!(value > 1e6),
+          fmt::format("{} must be at most {:g}, but is {:g}", name, shown(parameter, 1e6), told));
   }
 
   void checkHead() {
     if (machine_.head == MachineParameters::Head::kTwoMirror) {
-      positive(machine_.throw_mm, "throw_mm", 1e6, 0.1);
-      notNegative(machine_.mirror_spacing_mm, "mirror_spacing_mm");
-      positive(machine_.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
-      notNegative(machine_.mirror_acceleration_rad_s2, "mirror_acceleration_rad_s2");
+      positive(machine_.throw_mm, Parameter::kThrow, 1e6, 0.1);
+      notNegative(machine_.mirror_spacing_mm, Parameter::kMirrorSpacing);
+      positive(machine_.mirror_step_rad, Parameter::kMirrorStep, 0.1, 1e-9);
+      notNegative(machine_.mirror_acceleration_rad_s2, Parameter::kMirrorAcceleration);
     } else if (machine_.head == MachineParameters::Head::kFTheta) {
-      positive(machine_.focal_length_mm, "focal_length_mm", 1e6, 0.1);
-      positive(machine_.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
-      notNegative(machine_.mirror_acceleration_rad_s2, "mirror_acceleration_rad_s2");
+      positive(machine_.focal_length_mm, Parameter::kFocalLength, 1e6, 0.1);
+      positive(machine_.mirror_step_rad, Parameter::kMirrorStep, 0.1, 1e-9);
+      notNegative(machine_.mirror_acceleration_rad_s2, Parameter::kMirrorAcceleration);
     } else {
-      positive(machine_.gantry_step_mm, "gantry_step_mm", 1e3, 1e-6);
+      positive(machine_.gantry_step_mm, Parameter::kGantryStep, 1e3, 1e-6);
     }
   }
 
@@ -110,8 +121,8 @@ class JobChecker {
       const double low = machine_.field_min_mm[i];
       const double high = machine_.field_max_mm[i];
       check(low >= -1e5 && high <= 1e5 && low <= 0.0 && high >= 0.0 && low < high,
-            fmt::format("the field along {} must hold the resting beam at 0, but is {:g} … {:g} mm", "xy"[i],
-                        low, high));
+            fmt::format("the field along {} ({}) must hold the resting beam at 0, but is {:g} … {:g} mm",
+                        "xy"[i], named(i == 0 ? Parameter::kFieldX : Parameter::kFieldY), low, high));
     }
     if (faults_.empty() && machine_.correction) {
       const std::vector<std::string> wrong = correctionFaults(machine_);
@@ -120,46 +131,48 @@ class JobChecker {
   }
 
   void checkDelays() {
-    check(
-        machine_.tracking_delay_s >= 0.0 && machine_.tracking_delay_s <= machine_.target.longestDelayS(),
-        fmt::format(
-            "tracking_delay_s must be in 0 … {:g}, by which this controller can delay the laser, but is {:g}",
-            machine_.target.longestDelayS(), machine_.tracking_delay_s));
-    check(machine_.laser_lag_s >= 0.0 && machine_.laser_lag_s <= 1.0,
-          fmt::format("laser_lag_s must be in 0 … 1, but is {:g}", machine_.laser_lag_s));
+    const auto upTo = [&](double value, Parameter parameter, double most, const char* why) {
+      check(value >= 0.0 && value <= most,
+            fmt::format("{} must be in 0 … {:g}{}, but is {:g}", named(parameter), shown(parameter, most),
+                        why, shown(parameter, value)));
+    };
+    upTo(machine_.tracking_delay_s, Parameter::kTrackingDelay, machine_.target.longestDelayS(),
+         ", by which this controller can delay the laser");
+    upTo(machine_.laser_lag_s, Parameter::kLaserLag, 1.0, "");
     for (std::string& fault : driveFaults(machine_.target, machine_.drives))
       faults_.push_back(std::move(fault));
   }
 
   void checkMotion() {
-    positive(machine_.full_power_w, "full_power_w");
-    positive(job_.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
-    positive(job_.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);
-    positive(job_.acceleration_mm_s2, "acceleration_mm_s2", 1e9, 1e-3);
-    notNegative(job_.jump_acceleration_mm_s2, "jump_acceleration_mm_s2");
+    positive(machine_.full_power_w, Parameter::kFullPower);
+    positive(job_.mark_speed_mm_s, Parameter::kMarkSpeed, 1e6, 1e-3);
+    positive(job_.jump_speed_mm_s, Parameter::kJumpSpeed, 1e6, 1e-3);
+    positive(job_.acceleration_mm_s2, Parameter::kAcceleration, 1e9, 1e-3);
+    notNegative(job_.jump_acceleration_mm_s2, Parameter::kJumpAcceleration);
     check(job_.jump_radius_mm == kRadiusOfDrawing ||
               (std::isfinite(job_.jump_radius_mm) && job_.jump_radius_mm >= 0.0),
-          fmt::format("jump_radius_mm must be >= 0, or {:g} for that of the drawing, but is {:g}",
-                      kRadiusOfDrawing, job_.jump_radius_mm));
+          fmt::format("{} must be >= 0, or {:g} for that of the drawing, but is {:g}",
+                      named(Parameter::kJumpRadius), kRadiusOfDrawing, job_.jump_radius_mm));
     check(job_.run_up_mm == kRunUpOfSpeed || (job_.run_up_mm >= 0.0 && job_.run_up_mm <= 1e3),
-          fmt::format("run_up_mm must be in 0 … 1000, or {:g} for what the speed takes, but is {:g}",
-                      kRunUpOfSpeed, job_.run_up_mm));
+          fmt::format("{} must be in 0 … 1000, or {:g} for what the speed takes, but is {:g}",
+                      named(Parameter::kRunUp), kRunUpOfSpeed, job_.run_up_mm));
     check(job_.run_up_mm == 0.0 || job_.jump_radius_mm == 0.0,
-          "run_up_mm is for straight jumps: with a jump_radius_mm the beam runs through marks and jumps "
-          "anyway");
-    if (!job_.power) positive(job_.cut_energy_j_per_mm, "cut_energy_j_per_mm");
+          fmt::format("{} is for straight jumps: with a {} the beam runs through marks and jumps anyway",
+                      named(Parameter::kRunUp), named(Parameter::kJumpRadius)));
+    if (!job_.power) positive(job_.cut_energy_j_per_mm, Parameter::kCutEnergy);
     check(std::isfinite(job_.jerk_mm_s3) && job_.jerk_mm_s3 >= 0.0,
-          fmt::format("jerk_mm_s3 must be >= 0, but is {:g}", job_.jerk_mm_s3));
+          fmt::format("{} must be >= 0, but is {:g}", named(Parameter::kJerk), job_.jerk_mm_s3));
   }
 
   void checkPowerLoop() {
     check(job_.power != nullptr, "a loop on the measured power needs a material and a laser");
-    positive(machine_.power_quantum_j, "power_quantum_j", 1e3, 1e-6);
+    positive(machine_.power_quantum_j, Parameter::kPowerQuantum, 1e3, 1e-6);
     // The controller looks back over a limited number of ticks, the gate's delay and its own tick among them.
     const double longest_s = (KB_POWER_DELAY_MAX - 2) * machine_.target.tick_s;
     check(machine_.power_delay_s >= 0.0 && machine_.power_delay_s + machine_.tracking_delay_s <= longest_s,
-          fmt::format("power_delay_s, {:g}, and tracking_delay_s must be in 0 … {:g} together",
-                      machine_.power_delay_s, longest_s));
+          fmt::format("{}, {:g}, and {} must be in 0 … {:g} together", named(Parameter::kPowerDelay),
+                      shown(Parameter::kPowerDelay, machine_.power_delay_s), named(Parameter::kTrackingDelay),
+                      shown(Parameter::kPowerDelay, longest_s)));
     // The controller counts to 255, and also for a tube with half as much power again.
     const double full_w = job_.power == nullptr ? 0.0 : job_.power->laser().power.greatest().y;
     const double edges = full_w * machine_.target.periodS() / (2.0 * machine_.power_quantum_j);
@@ -171,21 +184,21 @@ class JobChecker {
 
   void checkMarks() {
     check(job_.half_z > 0.0 && job_.half_z <= 1.0,
-          fmt::format("half_z must be in (0, 1], but is {:g}", job_.half_z));
-    positive(job_.perforation_cut_mm, "perforation_cut_mm", 1e6, 0.01);
-    positive(job_.perforation_gap_mm, "perforation_gap_mm", 1e6, 0.01);
-    notNegative(job_.kerf_radius_mm, "kerf_radius_mm");
+          fmt::format("{} must be in (0, 1], but is {:g}", named(Parameter::kHalfZ), job_.half_z));
+    positive(job_.perforation_cut_mm, Parameter::kPerforationCut, 1e6, 0.01);
+    positive(job_.perforation_gap_mm, Parameter::kPerforationGap, 1e6, 0.01);
+    notNegative(job_.kerf_radius_mm, Parameter::kKerfRadius);
     check(job_.units >= 1 && job_.units <= 1'000'000,
-          fmt::format("units must be in 1 … 1000000, but is {}", job_.units));
-    if (job_.units > 1) positive(job_.pitch_mm, "pitch_mm");
-    notNegative(job_.belt_speed_mm_s, "belt_speed_mm_s");
+          fmt::format("{} must be in 1 … 1000000, but is {}", named(Parameter::kUnits), job_.units));
+    if (job_.units > 1) positive(job_.pitch_mm, Parameter::kPitch);
+    notNegative(job_.belt_speed_mm_s, Parameter::kBeltSpeed);
     checkBeltRange();
   }
 
   void checkBeltRange() {
     const double v = job_.belt_speed_mm_s;
-    notNegative(job_.belt_min_mm_s, "belt_min_mm_s");
-    notNegative(job_.belt_max_mm_s, "belt_max_mm_s");
+    notNegative(job_.belt_min_mm_s, Parameter::kBeltMin);
+    notNegative(job_.belt_max_mm_s, Parameter::kBeltMax);
     check(!(job_.belt_min_mm_s > v) && !(job_.belt_max_mm_s > 0.0 && job_.belt_max_mm_s < v),
           fmt::format("the belt speed of {:g} mm/s must lie between the lowest and the highest, but these "
                       "are {:g} and {:g}",
@@ -196,29 +209,35 @@ class JobChecker {
 
   void checkFeed() {
     if (job_.feed_by_controller) {
-      positive(machine_.feed_step_mm, "feed_step_mm", 1e3, 1e-6);
-      positive(job_.feed_acceleration_mm_s2, "feed_acceleration_mm_s2", 1e9, 1e-3);
-      check(std::abs(job_.web_start_x_mm) <= 1e9, "web_start_x_mm must be a number within ±1e9");
+      positive(machine_.feed_step_mm, Parameter::kFeedStep, 1e3, 1e-6);
+      positive(job_.feed_acceleration_mm_s2, Parameter::kFeedAcceleration, 1e9, 1e-3);
+      check(std::abs(job_.web_start_x_mm) <= 1e9,
+            fmt::format("{} must be a number within ±1e9", named(Parameter::kWebStart)));
     }
     if (job_.stop_and_go) {
-      check(job_.feed_by_controller, "stop_and_go needs feed_by_controller");
-      positive(job_.belt_speed_mm_s, "belt_speed_mm_s");
+      const bool by_key = job_.given_by == GivenBy::kScenario;
+      check(job_.feed_by_controller, fmt::format("{} needs {}{}", named(Parameter::kStopAndGo),
+                                                 named(Parameter::kFeed), by_key ? ": controller" : ""));
+      positive(job_.belt_speed_mm_s, Parameter::kBeltSpeed);
       check(!(job_.belt_speed_mm_s > feedLimit(machine_)),
-            fmt::format("a feed of {:g} mm/s is too fast: the feed makes no more than {:.1f} mm/s",
-                        job_.belt_speed_mm_s, feedLimit(machine_)));
+            fmt::format("a feed of {:g} mm/s ({}) is too fast: by {} the feed makes no more than {:.1f} mm/s",
+                        job_.belt_speed_mm_s, named(Parameter::kBeltSpeed), named(Parameter::kFeedStep),
+                        feedLimit(machine_)));
     }
   }
 
   void checkBelt() {
-    positive(machine_.encoder_count_mm, "encoder_count_mm", 1e3, 1e-6);
-    check(std::abs(machine_.print_mark_sensor_x_mm) <= 1e6,
-          "print_mark_sensor_x_mm must be a number within ±1e6");
-    check(std::abs(job_.eye_mark_x_mm) <= 1e6, "eye_mark_x_mm must be a number within ±1e6");
+    positive(machine_.encoder_count_mm, Parameter::kEncoderCount, 1e3, 1e-6);
+    for (const auto& [value, parameter] :
+         {std::pair(machine_.print_mark_sensor_x_mm, Parameter::kPrintMarkSensor),
+          std::pair(job_.eye_mark_x_mm, Parameter::kEyeMark)})
+      check(std::abs(value) <= 1e6, fmt::format("{} must be a number within ±1e6", named(parameter)));
     // The follow gain is an i16 of steps per count times 4096.
     const double per_mm = !faults_.empty() ? 0.0 : Axes(machine_, {}).xStepsPerMm(Eigen::Vector2d::Zero());
     check(!(per_mm * machine_.encoder_count_mm * 4096.0 > 32767.0),
-          fmt::format("an encoder count of {:g} mm is {:.2f} steps; the controller follows no more than 7.99",
-                      machine_.encoder_count_mm, per_mm * machine_.encoder_count_mm));
+          fmt::format("{}: a count of {:g} mm is {:.2f} steps; the controller follows no more than 7.99",
+                      named(Parameter::kEncoderCount), machine_.encoder_count_mm,
+                      per_mm * machine_.encoder_count_mm));
   }
 
   const MachineParameters& machine_;

@@ -2,9 +2,7 @@
 #include "firmware_under_test/planner/program/selection.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
-#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -21,30 +19,7 @@ namespace {
 constexpr dieline::Process kProcesses[] = {dieline::Process::kCut, dieline::Process::kHalfCut,
                                            dieline::Process::kCrease, dieline::Process::kPerforation};
 
-std::vector<std::string_view> itemsOf(std::string_view list) {
-  std::vector<std::string_view> items;
-  if (base::trimmed(list).empty()) return items;
-  for (std::size_t from = 0; from <= list.size();) {
-    const std::size_t to = std::min(list.find(',', from), list.size());
-    items.push_back(base::trimmed(list.substr(from, to - from)));
-    from = to + 1;
-  }
-  return items;
-}
-
-std::optional<int> idOf(std::string_view text) {
-  text = base::trimmed(text);
-  if (!text.empty() && (text.front() == 'E' || text.front() == 'e')) text.remove_prefix(1);
-  int id = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  if (error != std::errc() || end != text.data() + text.size() || id < 0) return std::nullopt;
-  return id;
-}
-
-bool holds(const std::vector<std::pair<int, int>>& ranges, int id) {
-  return ranges.empty() || std::any_of(ranges.begin(), ranges.end(),
-                                       [&](const auto& r) { return id >= r.first && id <= r.second; });
-}
+bool holds(const EntityRanges& ranges, int id) { return ranges.empty() || contains(ranges, id); }
 
 [[noreturn]] void refuse(const std::vector<std::string>& faults) {
   throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
@@ -78,17 +53,10 @@ Selection selectionFrom(const std::string& entities, const std::string& layers,
                         const std::string& processes) {
   Selection selection;
   std::vector<std::string> faults;
-  for (const std::string_view item : itemsOf(entities)) {
-    const std::size_t dash = item.find('-');
-    const auto first = idOf(item.substr(0, dash));
-    const auto last = dash == std::string_view::npos ? first : idOf(item.substr(dash + 1));
-    if (!first || !last) {
-      faults.push_back(fmt::format("entities: '{}' is neither an id nor a range such as 5-8", item));
-    } else if (*last < *first) {
-      faults.push_back(fmt::format("entities: '{}' ends before it begins", item));
-    } else {
-      selection.entities.emplace_back(*first, *last);
-    }
+  try {
+    selection.entities = entityRangesFrom(entities, "entities");
+  } catch (const PlanError& error) {
+    faults.emplace_back(error.what());
   }
   for (const std::string_view item : itemsOf(layers)) {
     if (item.empty()) {

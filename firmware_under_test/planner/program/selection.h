@@ -3,7 +3,6 @@
 
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "firmware_under_test/planner/job/job.h"
@@ -13,8 +12,8 @@ namespace kerfbench::planner {
 
 /// Part of a job that is to be cut: an entity must be among those of each list that is not empty.
 struct Selection {
-  std::vector<std::pair<int, int>> entities;  ///< Ranges of ids, first and last included.
-  std::set<std::string> layers;               ///< Lower case; DXF layers or SVG colours.
+  EntityRanges entities;
+  std::set<std::string> layers;  ///< Lower case; DXF layers or SVG colours.
   std::set<dieline::Process> processes;
 
   [[nodiscard]] bool all() const { return entities.empty() && layers.empty() && processes.empty(); }

@@ -98,7 +98,7 @@ TEST(Kerf, AsPlayedTheBeamKeepsItsRadiusFromTheDieline) {
 TEST(Kerf, OffChangesNoByte) {
   JobParameters job = mirrorJob();
   const std::string before = makeGcode(carton(), twoMirror(), job);
-  job.allow_lost_features = true;
+  job.allow_lost = {{0, 99}};
   job.open_cuts = JobParameters::OpenCuts::kLeft;
   EXPECT_EQ(makeGcode(carton(), twoMirror(), job), before);
 }
@@ -150,9 +150,35 @@ TEST(Kerf, FeaturesSmallerThanTheKerfAreRefusedByNameAndOnDemandOnlyNamed) {
   EXPECT_THAT(fault, HasSubstr("E" + std::to_string(hole_id)));
   EXPECT_THAT(fault, HasSubstr("smaller than the kerf of 0.5 mm"));
   EXPECT_THAT(fault, HasSubstr("at (-50.000, -10.000)"));
-  job.allow_lost_features = true;
+  EXPECT_THAT(fault, HasSubstr("planner.allow_lost_features: E8 cuts the rest"));
+  job.given_by = GivenBy::kCommandLine;
+  EXPECT_THAT(refusal(dieline, job), HasSubstr("--allow-lost E8 cuts the rest"));
+  job.allow_lost = {{8, 12}};
   EXPECT_EQ(refusal(dieline, job), "");
   EXPECT_EQ(compensate(dieline, job).notes.size(), 2U);
+}
+
+TEST(Kerf, OnlyTheFeaturesThatAreNamedMayBeLost) {
+  std::vector<dieline::Entity> entities = test::label().entities;
+  entities.push_back(test::arc(-30.0, 12.0, 0.2, 0.0, 360.0));  // E8
+  for (const auto& side : rectangle(-50.0, -10.0, -40.0, -9.7))
+    entities.push_back(side);                                  // E9 to E12, a slit.
+  entities.push_back(test::arc(-20.0, 0.0, 3.0, 0.0, 360.0));  // E13
+  const dieline::Dieline dieline = dielineOf(entities);
+  const auto refusalOf = [&](const EntityRanges& allowed) {
+    JobParameters job = kerfJob(0.25);
+    job.allow_lost = allowed;
+    return refusal(dieline, job);
+  };
+  EXPECT_THAT(refusalOf({{8, 8}}),
+              testing::AllOf(HasSubstr("E9,E10,E11,E12 cuts the rest"), testing::Not(HasSubstr("E8"))));
+  EXPECT_THAT(refusalOf({{9, 12}}), testing::AllOf(HasSubstr("E8 at"), testing::Not(HasSubstr("E9"))));
+  EXPECT_THAT(refusalOf({{8, 8}, {9, 11}}), HasSubstr("E9,E10,E11,E12 cuts the rest"));
+  EXPECT_EQ(refusalOf({{8, 12}}), "");
+  EXPECT_THAT(refusalOf({{8, 12}, {14, 20}}), HasSubstr("there is no E14-E20 in the drawing"));
+  JobParameters job = kerfJob(0.25);
+  job.allow_lost = {{8, 12}, {13, 13}};
+  EXPECT_THAT(compensate(dieline, job).notes, testing::Contains(HasSubstr("nothing of E13 is lost")));
 }
 
 TEST(Kerf, InnerCornersAreNotedWithTheirDepth) {

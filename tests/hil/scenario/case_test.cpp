@@ -16,6 +16,7 @@
 #include "hil/base/yaml_reader.h"
 #include "hil/dieline/geometry.h"
 #include "hil/run/dialogs.h"
+#include "hil/scenario/pul_axes.h"
 #include "tests/hil/base/temp_folder.h"
 #include "twin/optics/scan_head.h"
 
@@ -103,6 +104,57 @@ TEST_F(CaseTest, PowerIsByEnergyOrByDepth) {
       AllOf(HasSubstr("planner.power.material: no such file 'no.yaml'"),
             HasSubstr("planner.power.depth_mm: missing"), HasSubstr("planner.power.laser: cannot be used"),
             HasSubstr("broken.yaml:1: points: 0 of them"), HasSubstr("planner.power.width: unknown key")));
+}
+
+TEST_F(CaseTest, MaterialAndLaserAreEntriesOfALibrary) {
+  const std::string library = base::fixture("power").string();
+  const auto power = [&](const std::string& keys) {
+    return fmt::format("planner: {{power: {{{}, spot_diameter_mm: 0.2, depth_mm: 0.3}}}}\n", keys);
+  };
+  const Case by_number = label(power("library: " + library + ", material: 1, laser: 1"));
+  ASSERT_NE(plannerJob(by_number).power, nullptr);
+  EXPECT_EQ(plannerJob(by_number).power->material().name, "mild steel");
+  EXPECT_TRUE(std::ranges::count(by_number.inputs, base::fixture("power/mild-steel.yaml")) == 1);
+  const Case by_name =
+      label(power("library: " + library + ", material: carton board 0.4 mm, laser: CO2 Tube 80 W"));
+  EXPECT_EQ(plannerJob(by_name).power->material().number, 2);
+  EXPECT_THAT(faultsOf(power("material: 1, laser: 1")),
+              AllOf(HasSubstr("planner.power.material: '1' is no .yaml file, and no `library` has it"),
+                    HasSubstr("planner.power.laser: '1' is no .yaml file")));
+  EXPECT_THAT(faultsOf(power("library: " + library + ", material: 9, laser: tube")),
+              AllOf(HasSubstr("there is no material '9'; there are 1 (mild steel), 2 (carton board 0.4 mm)"),
+                    HasSubstr("there is no laser 'tube'")));
+  EXPECT_THAT(faultsOf(power("library: nowhere, material: 1, laser: 1")),
+              HasSubstr("planner.power.library: " + (temp_.path() / "nowhere").string() + ": is no folder"));
+}
+
+TEST_F(CaseTest, WhatMayBeLostIsNamed) {
+  EXPECT_EQ(plannerJob(label("planner: {allow_lost_features: 'E3,7-9'}\n")).allow_lost,
+            (planner::EntityRanges{{3, 3}, {7, 9}}));
+  EXPECT_THAT(
+      faultsOf("planner: {allow_lost_features: true}\n"),
+      HasSubstr("planner.allow_lost_features: what may be lost: 'true' is neither an id nor a range"));
+}
+
+TEST_F(CaseTest, OpenCutsAreJudgedWhereThePlannerPutsTheKerf) {
+  using OpenCuts = inspect::Tolerances::OpenCuts;
+  const auto sideOf = [&](const std::string& lines) { return label(lines).scenario.limits.open_cuts; };
+  EXPECT_EQ(sideOf("planner: {open_cuts: left}\n"), OpenCuts::kCentre);  // Without a kerf it is on the line.
+  EXPECT_EQ(sideOf("planner: {kerf_radius_mm: 0.05, open_cuts: left}\n"), OpenCuts::kLeft);
+  EXPECT_EQ(sideOf("planner: {kerf_radius_mm: 0.05, open_cuts: right}\n"), OpenCuts::kRight);
+  EXPECT_EQ(sideOf("planner: {kerf_radius_mm: 0.05, open_cuts: left}\nchecks: {open_cuts: right}\n"),
+            OpenCuts::kRight);
+}
+
+TEST_F(CaseTest, AxesThatTheMachineHasNotAreSpare) {
+  const Case test_case = label("");
+  const std::vector<Signal> spare = spareOutputs(test_case.machine, false);
+  for (const Signal signal :
+       {Signal::kGantryXPul, Signal::kGantryYDir, Signal::kGantryXEnable, Signal::kFeedPul, Signal::kFeedDir})
+    EXPECT_EQ(std::ranges::count(spare, signal), 1) << signalName(signal);
+  for (const Signal signal : {Signal::kGalvoXPul, Signal::kGalvoYDir, Signal::kLaserGate, Signal::kLaserPwm})
+    EXPECT_EQ(std::ranges::count(spare, signal), 0) << signalName(signal);
+  EXPECT_EQ(std::ranges::count(spareOutputs(test_case.machine, true), Signal::kFeedPul), 0);
 }
 
 TEST_F(CaseTest, AMachineWithoutAFeedDriveCannotFeed) {

@@ -129,20 +129,20 @@ TEST(PowerLibrary, RefusesLasersThatContradictThemselves) {
   };
   EXPECT_EQ(with("kind", "kind"), "");
   EXPECT_THAT(with("least_power_w: 4 ", "least_power_w: 2 "),
-              HasSubstr(":11: least_power_w: 2 W is outside the curve's 3 … 80 W"));
-  EXPECT_THAT(with("most_power_w: 78", "most_power_w: 81"), HasSubstr(":12: most_power_w: 81 W is outside"));
+              HasSubstr(":12: least_power_w: 2 W is outside the curve's 3 … 80 W"));
+  EXPECT_THAT(with("most_power_w: 78", "most_power_w: 81"), HasSubstr(":13: most_power_w: 81 W is outside"));
   EXPECT_THAT(with("most_power_w: 78", "most_power_w: 4"),
-              HasSubstr(":12: most_power_w: must be above least_power_w"));
+              HasSubstr(":13: most_power_w: must be above least_power_w"));
   EXPECT_THAT(with("full_control: 100", "full_control: 90"),
-              HasSubstr(":10: full_control: 90 is below the curve's last point, 100"));
+              HasSubstr(":11: full_control: 90 is below the curve's last point, 100"));
   EXPECT_THAT(with("full_control: 100", "full_control: .inf"),
-              HasSubstr(":10: full_control: '.inf' is not a number"));
+              HasSubstr(":11: full_control: '.inf' is not a number"));
   EXPECT_THAT(with("control: \"%\", ", ""), HasSubstr("units.control: missing"));
   EXPECT_THAT(with("power: W", "power: kW"), HasSubstr("units.power: 'kW' is none of: W"));
   EXPECT_THAT(with("control: 40, power: 41", "control: 40, power: 29"),
-              HasSubstr(":18: points[3].power: 29 does not rise above 29"));
+              HasSubstr(":19: points[3].power: 29 does not rise above 29"));
   EXPECT_THAT(with("control: 40, power: 41", "control: 25, power: 41"),
-              HasSubstr(":18: points[3].control: 25 does not rise above 30"));
+              HasSubstr(":19: points[3].control: 25 does not rise above 30"));
 }
 
 TEST(PowerLibrary, RefusesTooFewOrTooManyPointsAndWhatIsNoList) {
