@@ -77,84 +77,138 @@ Json kerfJson(const vision::EntityKerf& kerf) {
           {"depth_sigma_mm", significant(kerf.depth_sigma_mm)}};
 }
 
-void addJoints(const std::vector<inspect::JointResult>& joints, Json& root) {
-  for (const inspect::JointResult* j : sortedBy(joints, [](const inspect::JointResult& x) {
-         return std::tuple(x.unit, x.entity, x.entity_out, x.kind, x.at_start, x.p_S_mm.x(), x.p_S_mm.y());
-       })) {
-    root["joints"].push_back(jointJson<Json>(*j));
-  }
+Json poseJson(const vision::UnitPose& u) {
+  return {u.unit,
+          rounded(u.p_TS_mm.x()),
+          rounded(u.p_TS_mm.y()),
+          significant(u.angle_rad),
+          covarianceJson(u.covariance),
+          u.marks};
 }
 
-/// Where the sheet lay on the table and in each frame, and where the spot was.
-void addPoses(const RunReport& report, Json& root) {
-  for (const vision::UnitPose* u :
-       sortedBy(report.kerf.units, [](const vision::UnitPose& x) { return x.unit; })) {
-    root["units"].push_back({u->unit, rounded(u->p_TS_mm.x()), rounded(u->p_TS_mm.y()),
-                             significant(u->angle_rad), covarianceJson(u->covariance), u->marks});
+/// Where the sheet lay in a frame, and where the spot was.
+Json frameJson(const vision::FrameMeasurement& frame) {
+  Json j{frame.sequence, significant(frame.mid_s)};
+  if (frame.spot_W_mm)
+    j.push_back(
+        {rounded(frame.spot_W_mm->x()), rounded(frame.spot_W_mm->y()), significant(frame.spot_sigma_mm)});
+  for (const vision::SheetPose& pose : frame.sheet) {
+    j.push_back({pose.unit, rounded(pose.p_WS_mm.x()), rounded(pose.p_WS_mm.y()), significant(pose.angle_rad),
+                 covarianceJson(pose.covariance), pose.marks});
   }
-  for (const vision::FrameMeasurement& frame : report.spot.frames) {
-    Json j{frame.sequence, significant(frame.mid_s)};
-    if (frame.spot_W_mm)
-      j.push_back(
-          {rounded(frame.spot_W_mm->x()), rounded(frame.spot_W_mm->y()), significant(frame.spot_sigma_mm)});
-    for (const vision::SheetPose& pose : frame.sheet) {
-      j.push_back({pose.unit, rounded(pose.p_WS_mm.x()), rounded(pose.p_WS_mm.y()),
-                   significant(pose.angle_rad), covarianceJson(pose.covariance), pose.marks});
+  return j;
+}
+
+Json wholeCutJson(const inspect::CutResult& c) {
+  Json cut = cutJson<Json>(c);
+  cut["time_s"] = roundedAll(c.time_s);
+  cut["residual_mm"] = roundedAll(c.residual_mm);
+  return cut;
+}
+
+Json strayJson(const vision::StrayCut& s) {
+  return {s.unit, rounded(s.p_S_mm.x()), rounded(s.p_S_mm.y()), rounded(s.extent_mm)};
+}
+
+Json wholePulseJson(const PulseTiming& t) {
+  Json pulse = pulseJson<Json>(t);
+  pulse["setup_histogram"] = t.setup_histogram;
+  return pulse;
+}
+
+/// The sum of a JSON object as Json::dump() would write it, member by member: a long run's would fill memory.
+class SumOfObject {
+ public:
+  /// Adds a member. Names ascend.
+  void add(const char* name, const Json& value) {
+    begin(name);
+    sum_.add(value.dump());
+  }
+  /// Adds a list, if there is anything in it; `items` are pointers.
+  template <typename Items, typename ToJson>
+  void addList(const char* name, const Items& items, const ToJson& toJson) {
+    if (items.empty()) return;
+    begin(name);
+    const char* separator = "[";
+    for (const auto& item : items) {
+      sum_.add(separator + Json(toJson(*item)).dump());
+      separator = ",";
     }
-    root["frames"].push_back(std::move(j));
+    sum_.add("]");
   }
-  root["frames_lost"] = report.spot.frames_lost;
+  [[nodiscard]] std::string digest() {
+    sum_.add("}");
+    return sum_.digest();
+  }
+
+ private:
+  void begin(const char* name) {
+    sum_.add(separator_ + Json(name).dump() + ":");
+    separator_ = ",";
+  }
+
+  base::Sha256 sum_;
+  std::string separator_{"{"};
+};
+
+template <typename T>
+std::vector<const T*> pointersTo(const std::vector<T>& items) {
+  return sortedBy(items, [](const T&) { return 0; });
 }
 
 }  // namespace
 
 std::string digestOf(const RunReport& report) {
   const inspect::InspectionResult& result = report.result;
-  Json root;
-  root["verdict"] = inspect::verdictName(result.verdict);
-  for (const std::string& problem : result.problems) root["problems"].push_back(withoutPaths(problem));
-  for (const inspect::Check* c : sortedBy(result.checks, [](const inspect::Check& x) { return x.name; })) {
-    root["checks"].push_back(checkJson<Json>(*c));
-  }
-  for (const inspect::Unjudged* u :
-       sortedBy(result.unjudged, [](const inspect::Unjudged& x) { return x.name; }))
-    root["not_judged"].push_back({u->name, u->applies, withoutPaths(u->reason)});
-  for (const inspect::EntityResult* e : sortedBy(
-           result.entities, [](const inspect::EntityResult& x) { return std::pair(x.unit, x.entity); })) {
-    root["entities"].push_back(entityJson<Json>(*e));
-  }
-  for (const inspect::CutResult* c : sortedBy(result.cuts, [](const inspect::CutResult& x) {
-         return std::tuple(x.start_s, x.unit, x.entity);
-       })) {
-    Json cut = cutJson<Json>(*c);
-    cut["time_s"] = roundedAll(c->time_s);
-    cut["residual_mm"] = roundedAll(c->residual_mm);
-    root["cuts"].push_back(std::move(cut));
-  }
-  for (const vision::EntityKerf* k : sortedBy(
-           report.kerf.entities, [](const vision::EntityKerf& x) { return std::pair(x.unit, x.entity); })) {
-    root["kerf"].push_back(kerfJson(*k));
-  }
-  for (const vision::StrayCut* s : sortedBy(report.kerf.strays, [](const vision::StrayCut& x) {
-         return std::tuple(x.unit, x.p_S_mm.x(), x.p_S_mm.y(), x.extent_mm);
-       })) {
-    root["strays"].push_back(
-        {s->unit, rounded(s->p_S_mm.x()), rounded(s->p_S_mm.y()), rounded(s->extent_mm)});
-  }
-  for (const PulseTiming* t : sortedBy(report.pulses, [](const PulseTiming& x) { return x.axis; })) {
-    Json pulse = pulseJson<Json>(*t);
-    pulse["setup_histogram"] = t->setup_histogram;
-    root["pulses"].push_back(std::move(pulse));
-  }
-  for (const EvidencePart* part : sortedBy(report.evidence, [](const EvidencePart& x) { return x.name; }))
-    root["evidence"].push_back({part->name, part->sha256});
-  addJoints(result.joints, root);
-  for (const inspect::LayerResult* l :
-       sortedBy(result.layers, [](const inspect::LayerResult& x) { return x.layer; }))
-    root["layers"].push_back({l->layer, quantityJson<Json>(l->worst_mm), quantityJson<Json>(l->rms_mm)});
-  root["rms_mm"] = quantityJson<Json>(result.rms_mm);
-  addPoses(report, root);
-  return base::sha256(root.dump());
+  SumOfObject sum;
+  sum.addList("checks", sortedBy(result.checks, [](const inspect::Check& x) { return x.name; }),
+              checkJson<Json>);
+  sum.addList("cuts",
+              sortedBy(result.cuts,
+                       [](const inspect::CutResult& x) { return std::tuple(x.start_s, x.unit, x.entity); }),
+              wholeCutJson);
+  sum.addList(
+      "entities",
+      sortedBy(result.entities, [](const inspect::EntityResult& x) { return std::pair(x.unit, x.entity); }),
+      entityJson<Json>);
+  sum.addList("evidence", sortedBy(report.evidence, [](const EvidencePart& x) { return x.name; }),
+              [](const EvidencePart& part) {
+                return Json{part.name, part.sha256};
+              });
+  sum.addList("frames", pointersTo(report.spot.frames), frameJson);
+  sum.add("frames_lost", report.spot.frames_lost);
+  sum.addList("joints",
+              sortedBy(result.joints,
+                       [](const inspect::JointResult& x) {
+                         return std::tuple(x.unit, x.entity, x.entity_out, x.kind, x.at_start, x.p_S_mm.x(),
+                                           x.p_S_mm.y());
+                       }),
+              jointJson<Json>);
+  sum.addList(
+      "kerf",
+      sortedBy(report.kerf.entities, [](const vision::EntityKerf& x) { return std::pair(x.unit, x.entity); }),
+      kerfJson);
+  sum.addList("layers", sortedBy(result.layers, [](const inspect::LayerResult& x) { return x.layer; }),
+              [](const inspect::LayerResult& l) {
+                return Json{l.layer, quantityJson<Json>(l.worst_mm), quantityJson<Json>(l.rms_mm)};
+              });
+  sum.addList("not_judged", sortedBy(result.unjudged, [](const inspect::Unjudged& x) { return x.name; }),
+              [](const inspect::Unjudged& u) {
+                return Json{u.name, u.applies, withoutPaths(u.reason)};
+              });
+  sum.addList("problems", pointersTo(result.problems), withoutPaths);
+  sum.addList("pulses", sortedBy(report.pulses, [](const PulseTiming& x) { return x.axis; }), wholePulseJson);
+  sum.add("rms_mm", quantityJson<Json>(result.rms_mm));
+  sum.addList("strays",
+              sortedBy(report.kerf.strays,
+                       [](const vision::StrayCut& x) {
+                         return std::tuple(x.unit, x.p_S_mm.x(), x.p_S_mm.y(), x.extent_mm);
+                       }),
+              strayJson);
+  sum.addList("units", sortedBy(report.kerf.units, [](const vision::UnitPose& x) { return x.unit; }),
+              poseJson);
+  sum.add("verdict", inspect::verdictName(result.verdict));
+  return sum.digest();
 }
 
 std::string inputsDigestOf(const RunReport& report) {
