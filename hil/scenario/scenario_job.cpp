@@ -106,6 +106,8 @@ planner::JobParameters readJob(base::YamlReader planner, const Scenario& scenari
   if (job.run_up_mm < 0.0 && job.run_up_mm != planner::kRunUpOfSpeed)
     planner.fault("run_up_mm", "is a length, 0 for none, or -1 for what the speed takes");
   job.jerk_mm_s3 = planner.number("jerk_mm_s3", {.min = 0, .max = 1e12, .fallback = 0.0});
+  job.corner_error_mm =
+      planner.number("corner_error_mm", {.min = 0, .max = 1, .fallback = job.corner_error_mm});
   job.half_z = planner.number("half_z", {.min = 0.05, .max = 0.95, .fallback = job.half_z});
   job.perforation_cut_mm =
       planner.number("perforation_cut_mm", {.min = 0.3, .max = 50, .fallback = job.perforation_cut_mm});

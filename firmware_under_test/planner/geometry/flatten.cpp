@@ -6,6 +6,7 @@
 #include <cmath>
 #include <variant>
 
+#include "firmware_under_test/planner/geometry/biarc.h"
 #include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner {
@@ -21,37 +22,9 @@ constexpr double kShortestMm = 0.004;
 constexpr double kWidestArcRad = 2.0;
 constexpr int kDeepest = 30;
 
-/// Arc that leaves p along unit tangent t and ends at q.
-Segment arcFrom(const Vector2d& p, const Vector2d& t, const Vector2d& q) {
-  Segment arc;
-  arc.start_mm = p;
-  arc.end_mm = q;
-  const Vector2d chord = q - p;
-  // The tangent-chord angle is half the sweep.
-  const double half = std::atan2(cross(t, chord), t.dot(chord));
-  const double sagitta_mm = 0.5 * chord.norm() * std::abs(std::tan(0.5 * half));
-  if (sagitta_mm < kFlatMm) return arc;
-  arc.sweep_rad = 2.0 * half;
-  arc.centre_mm = p + chord.norm() / (2.0 * std::sin(half)) * Vector2d(-t.y(), t.x());
-  return arc;
-}
-
 double distanceTo(const Segment& segment, const Vector2d& p) {
   if (segment.isArc()) return std::abs((p - segment.centre_mm).norm() - segment.radiusMm());
   return std::abs(cross(segment.tangentAt(0.0), p - segment.start_mm));
-}
-
-/// Biarc with equal tangent lengths d: |p1 - p0 - d (t0 + t1)| = 2 d (Bolton 1975).
-std::array<Segment, 2> biarc(const Vector2d& p0, const Vector2d& t0, const Vector2d& p1, const Vector2d& t1) {
-  const Vector2d v = p1 - p0;
-  const double vt = v.dot(t0 + t1);
-  const double a = 2.0 * (1.0 - t0.dot(t1));
-  const double root = std::sqrt(vt * vt + a * v.squaredNorm());
-  // The root has two forms: the one without cancellation is used, and the other where the curve turns back by
-  // more than a right angle.
-  const double d = vt > 0.0 ? v.squaredNorm() / (vt + root) : (a > 1e-12 ? (root - vt) / a : 0.0);
-  const Vector2d middle = 0.5 * (p0 + p1 + d * (t0 - t1));
-  return {arcFrom(p0, t0, middle), arcFrom(p1, -t1, middle).reversed()};
 }
 
 void divide(const dieline::Curve& curve, double u0, double u1, double tolerance_mm, int depth,
@@ -65,7 +38,7 @@ void divide(const dieline::Curve& curve, double u0, double u1, double tolerance_
     pair[0].end_mm = p1;
     used = 1;
   } else {
-    pair = biarc(p0, dieline::tangentAt(curve, u0), p1, dieline::tangentAt(curve, u1));
+    pair = biarc(p0, dieline::tangentAt(curve, u0), p1, dieline::tangentAt(curve, u1), kFlatMm);
   }
   bool good = true;
   for (std::size_t i = 0; i < used; ++i) good = good && std::abs(pair[i].sweep_rad) < kWidestArcRad;

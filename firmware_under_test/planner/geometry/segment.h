@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,6 +18,8 @@ struct Segment {
   double z{};          ///< S4's laser word: 0 off, 1 cuts through.
   int entity{-1};      ///< Entity of the dieline; -1 unknown.
   int line{};          ///< Line of the G-code; 0 if it has none.
+  /// Highest speed that the segment itself admits, for a rounded corner (motion/corners.h).
+  double most_mm_s{std::numeric_limits<double>::infinity()};
 
   [[nodiscard]] bool isArc() const { return sweep_rad != 0.0; }
   [[nodiscard]] bool isCircle() const;
@@ -39,7 +42,9 @@ inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 /// Angle by which the path turns at the joint from a to b, 0 … pi.
 double turnRad(const Segment& a, const Segment& b);
 
-/// Largest turn of a joint that is run through (at a speed that the turn allows); other joints are corners.
+/// Largest turn of a joint within one line of the drawing, as curves that were flattened have; joints that
+/// turn by more are corners of the drawing, where an order may break it. The motion knows no such limit: see
+/// motion/corners.h.
 inline constexpr double kTangentRad = 0.05;
 
 /// Path in reverse: order and sense of its segments reversed.

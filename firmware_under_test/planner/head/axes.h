@@ -36,9 +36,12 @@ class Axes {
   [[nodiscard]] Eigen::Vector2d accelerationBox(double speed_mm_s) const;
   /// Highest speed of the x axis, mm/s in W, and of the y axis.
   [[nodiscard]] Eigen::Vector2d axisLimits() const;
-  /// Reach of the beam across, mm.
-  [[nodiscard]] Eigen::Vector2d fieldY() const {
-    return {machine_.field_min_mm[1], machine_.field_max_mm[1]};
+  /// Reach of the beam in W.
+  [[nodiscard]] Eigen::Vector2d fieldMinMm() const {
+    return {machine_.field_min_mm[0], machine_.field_min_mm[1]};
+  }
+  [[nodiscard]] Eigen::Vector2d fieldMaxMm() const {
+    return {machine_.field_max_mm[0], machine_.field_max_mm[1]};
   }
   /// Number of the x axis in the protocol; y is the next.
   [[nodiscard]] int firstAxis() const;
@@ -46,6 +49,8 @@ class Axes {
   [[nodiscard]] const Target& target() const { return machine_.target; }
   [[nodiscard]] const PulseSettings& pulses() const { return pulses_; }
   [[nodiscard]] double periodS() const { return machine_.target.periodS(); }
+  /// Delay of the drives behind their pulses.
+  [[nodiscard]] double trackingDelayS() const { return machine_.tracking_delay_s; }
 
  private:
   /// Steps of the head alone.

@@ -80,6 +80,10 @@ struct JobParameters {
   /// Largest change of acceleration in marks and jumps, in the samples (see Pieces for the joints of lines
   /// and arcs); 0: no limit. Returns and the catch-up with the sheet are not limited.
   double jerk_mm_s3{0};
+  /// Largest distance of the beam from a corner as drawn, lag of the drives included, so that it need not
+  /// stop there (motion/rounding.h); corners of a right angle and more stay sharp. 0: not stated; corners are
+  /// not rounded, and are run through as fast as a period can turn the beam.
+  double corner_error_mm{0.005};
   double half_z{0.5};  ///< Z of half-cut and crease.
   double perforation_cut_mm{3.0};
   double perforation_gap_mm{1.0};

@@ -36,6 +36,7 @@ constexpr std::array<ParameterName, 43> kParameterNames{{
     {Parameter::kJumpAcceleration, "--jump-acceleration", "planner.jump_acceleration_mm_s2"},
     {Parameter::kJumpRadius, "--jump-radius", "planner.jump_radius_mm"},
     {Parameter::kRunUp, "--run-up", "planner.run_up_mm"},
+    {Parameter::kCornerError, "--corner-error", "planner.corner_error_mm"},
     {Parameter::kJerk, "--jerk", "planner.jerk_mm_s3"},
     {Parameter::kCutEnergy, "--cut-energy", "planner.cut_energy_j_per_mm"},
     {Parameter::kHalfZ, "--half-z", "planner.half_z"},

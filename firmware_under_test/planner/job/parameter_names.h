@@ -36,6 +36,7 @@ enum class Parameter {
   kJumpAcceleration,
   kJumpRadius,
   kRunUp,
+  kCornerError,
   kJerk,
   kCutEnergy,
   kHalfZ,

@@ -107,6 +107,36 @@ void write(const Options& options, const std::string& text) {
   if (!file.flush()) throw std::runtime_error(options.output + ": cannot be written");
 }
 
+/// Says which jumps are straight although arcs were wished, and why; empty if none were.
+std::string jumpsLine(const planner::JumpsTaken& jumps) {
+  using Why = planner::JumpsTaken::Why;
+  const std::size_t straight = jumps.straight.size();
+  const std::size_t count = straight + static_cast<std::size_t>(jumps.smooth);
+  if (count == 0) return {};
+  std::string text = fmt::format("  smooth jumps    {} of {}\n", jumps.smooth, count);
+  const std::pair<Why, const char*> reasons[] = {
+      {Why::kWaits, "the beam waits there for the sheet"},
+      {Why::kField, "arcs would leave the field"},
+      {Why::kSooner, "on the moving sheet arcs would take too long"},
+      {Why::kNoCurve, "no arcs join the marks"},
+      {Why::kNoRoom, "on the moving sheet no arcs fit"}};
+  for (const auto& [why, reason] : reasons) {
+    std::string names;
+    int of_these = 0;
+    constexpr int kMostNames = 12;
+    for (const planner::JumpsTaken::Straight& jump : jumps.straight) {
+      if (jump.why != why) continue;
+      if (++of_these > kMostNames) continue;
+      names += (names.empty() ? "" : ", ") +
+               (jump.entity >= 0 ? fmt::format("E{}", jump.entity) : fmt::format("line {}", jump.line));
+    }
+    if (of_these == 0) continue;
+    text += fmt::format("                  {} straight, with stops: {} (before {}{})\n", of_these, reason,
+                        names, of_these > kMostNames ? ", …" : "");
+  }
+  return text;
+}
+
 /// Room along the belt: at its speed, and at the lowest and highest that it may have.
 std::string roomText(const Options& options, const planner::CheckResult& checked,
                      const std::vector<planner::Segment>& path) {
@@ -148,7 +178,8 @@ std::string summaryOf(const Options& options, const planner::CheckResult& checke
       options.input, options.job.belt_speed_mm_s, plan.max_belt_speed_mm_s, plan.unit_time_s,
       plan.cycle_time_s, plan.cut_length_mm, plan.jump_length_mm, plan.x_ref_mm, plan.program.ops.size(),
       bytes, planner::describe(options.machine.target));
-  return text + roomText(options, checked, planner::unitOf(planner::readGcode(plan.gcode)));
+  return text + jumpsLine(checked.solution->paths.front().jumps) +
+         roomText(options, checked, planner::unitOf(planner::readGcode(plan.gcode)));
 }
 
 /// Prints all errors to standard error, or the demands of the job.
@@ -222,6 +253,10 @@ void addJob(CLI::App& app, JobParameters& j) {
          "Way before and behind marks, along their tangent with the laser off, mm: marks begin and end at "
          "speed; "
          "0: none; -1: as long as the speed takes");
+  option(
+      "--corner-error", j.corner_error_mm,
+      "How far the beam may miss a corner so as not to stop there, mm: turns below a right angle are rounded "
+      "by that at most, lag of the drives included; 0: none is");
   option("--cut-energy", j.cut_energy_j_per_mm, "Energy per length that cuts through (Z1), J/mm");
   option("--half-z", j.half_z, "Z of half-cuts and creases, 0 to 1");
   option("--perforation-cut", j.perforation_cut_mm, "Length of a dash, mm");

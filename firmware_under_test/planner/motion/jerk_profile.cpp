@@ -31,8 +31,12 @@ double levelS(double length_mm, double v_mm_s) {
 }  // namespace
 
 SpeedLimits speedLimitsOf(const FlowLimits& limits, bool jump) {
-  return {jump ? limits.jump_mm_s : limits.mark_mm_s, limits.least(jump), limits.period_s, limits.axes_mm_s,
-          limits.jerk_mm_s3};
+  return {jump ? limits.jump_mm_s : limits.mark_mm_s,
+          limits.least(jump),
+          limits.period_s,
+          limits.axes_mm_s,
+          limits.jerk_mm_s3,
+          limits.corners};
 }
 
 JerkProfile::JerkProfile(std::span<const Segment> run, const FlowLimits& limits)

@@ -39,7 +39,7 @@ Piece arcPiece(const Segment& segment, int i, int count, const SpeedLimits& limi
   const double jerk = limits.jerk_mm_s3;
   const int looks =
       2 * std::max(1, static_cast<int>(std::ceil(std::abs(segment.sweep_rad) / count / kLookRad)));
-  double limit = std::min(limits.path_mm_s, bendSpeed(radius_mm, limits));
+  double limit = std::min({limits.path_mm_s, segment.most_mm_s, bendSpeed(radius_mm, limits)});
   for (int k = 0; k <= looks; ++k) {
     const double u = static_cast<double>(k) / looks;
     limit = std::min(limit, limits.axes_mm_s(segment.tangentAt(length_mm * (i + u) / count)));
@@ -68,8 +68,7 @@ double jointSpeed(const Segment& before, const Segment& after, const SpeedLimits
                curvatureStepSpeed(std::abs(signedCurvature(after) - signedCurvature(before)), limits));
   const double turn = turnRad(before, after);
   if (turn <= 1e-9) return speed;
-  // The turn happens within one period: its acceleration is v * turn / T.
-  speed = std::min(speed, limits.acceleration_mm_s2 * limits.period_s / turn);
+  speed = std::min(speed, turnSpeed(turn, limits.acceleration_mm_s2, limits.period_s, limits.corners));
   if (limits.jerk_mm_s3 <= 0.0) return speed;
   return std::min(speed, kJointJerkShare * limits.jerk_mm_s3 * limits.period_s * limits.period_s / turn);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware_under_test/planner/geometry/segment.h"
+#include "firmware_under_test/planner/motion/corners.h"
 #include "firmware_under_test/planner/motion/s_curve.h"
 
 namespace kerfbench::planner {
@@ -17,6 +18,7 @@ struct SpeedLimits {
   /// Path speed that the axes allow along a unit vector.
   std::function<double(const Eigen::Vector2d& direction)> axes_mm_s;
   double jerk_mm_s3{0.0};  ///< Most change of the acceleration, as a vector; 0: no limit.
+  CornerLimits corners{};  ///< What the beam may miss of corners.
 };
 
 /// A stretch of path under one speed limit.
@@ -43,7 +45,7 @@ struct Pieces {
   double length_mm{};
 };
 
-/// Highest speed from one segment to the next.
+/// Highest speed from one segment to the next: turnSpeed(), and the limit of jerk.
 double jointSpeed(const Segment& before, const Segment& after, const SpeedLimits& limits);
 /// Highest speed on an arc.
 double bendSpeed(double radius_mm, const SpeedLimits& limits);

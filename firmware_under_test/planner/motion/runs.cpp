@@ -13,13 +13,16 @@ namespace kerfbench::planner {
 namespace {
 
 constexpr double kNoLengthMm = 1e-9;
-constexpr double kRadiusShares[] = {1.0, 0.5, 0.25, 0.125};
+/// Shares of the radius that are tried, a half-octave apart.
+constexpr double kRadiusShares[] = {1.0, 0.7071, 0.5, 0.3536, 0.25, 0.1768, 0.125};
+/// Turn from which on a path goes back on itself: the beam rests there.
+constexpr double kTurnsBackRad = 3.14;
 
-/// Index behind the run that begins at `first`. Runs end where the laser or the direction changes.
+/// Index behind the run that begins at `first`. Runs end where the laser changes or the path turns back.
 std::size_t runEnd(const std::vector<Segment>& path, std::size_t first) {
   std::size_t i = first + 1;
   while (i < path.size() && !path[first].jump && !path[i].jump && path[i].z == path[first].z &&
-         turnRad(path[i - 1], path[i]) <= kTangentRad) {
+         turnRad(path[i - 1], path[i]) < kTurnsBackRad) {
     ++i;
   }
   return i;
@@ -63,26 +66,36 @@ bool leavesField(const std::vector<Segment>& path, const FlowLimits& limits) {
     if (!segment.isArc()) continue;
     constexpr int kParts = 32;
     for (int i = 0; i <= kParts; ++i) {
-      const double y = segment.at(segment.lengthMm() * i / kParts).y();
-      if (y < limits.low_y_mm || y > limits.high_y_mm) return true;
+      const Eigen::Vector2d p = segment.at(segment.lengthMm() * i / kParts);
+      if ((p.array() < limits.low_mm.array()).any() || (p.array() > limits.high_mm.array()).any())
+        return true;
     }
   }
   return false;
 }
 
-/// Best curve for a jump; nullopt: straight, with stops.
-std::optional<std::vector<Segment>> bestCurve(const JumpEnds& ends, double radius_mm,
-                                              const FlowLimits& limits) {
-  const double straight_mm = (ends.to_mm - ends.from_mm).norm();
-  double least_s = rampLossS(0.0, limits) + travelTimeS(straight_mm, 0.0, limits);
-  std::optional<std::vector<Segment>> best;
+/// Curve for a jump, or why there is none.
+struct Choice {
+  std::vector<Segment> curve;
+  std::optional<JumpsTaken::Why> why_not;
+};
+
+Choice bestCurve(const JumpEnds& ends, const JumpWish& wish, const FlowLimits& limits) {
+  Choice best{{}, wish.soonest ? JumpsTaken::Why::kSooner : JumpsTaken::Why::kNoCurve};
+  double least_s = kInfinite;
+  if (wish.soonest)
+    least_s = rampLossS(0.0, limits) + travelTimeS((ends.to_mm - ends.from_mm).norm(), 0.0, limits);
   for (const double share : kRadiusShares) {
-    const auto curve = smoothJump(ends, share * radius_mm);
-    if (!curve || leavesField(*curve, limits)) continue;
+    const auto curve = smoothJump(ends, share * wish.radius_mm);
+    if (!curve) continue;
+    if (leavesField(*curve, limits)) {
+      if (best.why_not) best.why_not = JumpsTaken::Why::kField;
+      continue;
+    }
     const double cost_s = costS(*curve, limits);
     if (cost_s >= least_s) continue;
     least_s = cost_s;
-    best = *curve;
+    best = {*curve, std::nullopt};
   }
   return best;
 }
@@ -110,8 +123,8 @@ std::vector<Run> straightRuns(const std::vector<Segment>& path) {
   return runs;
 }
 
-std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, const FlowLimits& limits,
-                            const std::vector<bool>& stops) {
+std::vector<Run> smoothRuns(const std::vector<Segment>& path, const JumpWish& wish, const FlowLimits& limits,
+                            JumpsTaken& taken) {
   std::vector<Run> runs;
   std::size_t jumps = 0;
   bool after_stop = true;  // True for the first run, and for a mark after a straight jump.
@@ -123,7 +136,7 @@ std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, 
                           path.begin() + static_cast<std::ptrdiff_t>(end));
       run.begins_block =
           runs.empty() || (path[i - 1].jump && !runs.back().segments.front().jump && after_stop);
-      run.rests = after_stop || (!path[i - 1].jump && turnRad(path[i - 1], path[i]) > kTangentRad);
+      run.rests = after_stop || (!path[i - 1].jump && turnRad(path[i - 1], path[i]) >= kTurnsBackRad);
       after_stop = false;
       runs.push_back(std::move(run));
       i = end;
@@ -134,12 +147,14 @@ std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, 
     const Segment& after = path[end];
     const JumpEnds ends{before.end_mm, before.tangentAt(before.lengthMm()), after.start_mm,
                         after.tangentAt(0.0)};
-    const bool held = jumps < stops.size() && stops[jumps];
+    const bool held = jumps < wish.stops.size() && wish.stops[jumps];
     ++jumps;
-    const auto curve = held ? std::nullopt : bestCurve(ends, radius_mm, limits);
-    if (curve) {
-      run.segments = *curve;
+    Choice choice = held ? Choice{{}, JumpsTaken::Why::kWaits} : bestCurve(ends, wish, limits);
+    if (!choice.why_not) {
+      run.segments = std::move(choice.curve);
+      ++taken.smooth;
     } else {
+      taken.straight.push_back({after.entity, after.line, *choice.why_not});
       after_stop = run.rests = run.begins_block = true;
       const Segment jump = straightJump(path[i], path[end - 1]);
       if (jump.lengthMm() > kNoLengthMm) run.segments = {jump};

@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "firmware_under_test/planner/geometry/segment.h"
+#include "firmware_under_test/planner/motion/jumps_taken.h"
 #include "firmware_under_test/planner/motion/speed_profile.h"
 
 namespace kerfbench::planner {
 
-/// A part of a unit with the laser in one state and without a corner.
+/// A part of a unit with the laser in one state, which does not turn back on itself.
 struct Run {
   std::vector<Segment> segments;  ///< Segments of the run; one or more.
   bool rests{};                   ///< True if the beam is at rest on the sheet where the run begins.
@@ -20,12 +21,11 @@ struct Run {
 /// begins and ends with marks.
 std::vector<Run> straightRuns(const std::vector<Segment>& path);
 
-/// Divides a path with jumps as curves (jump_curve.h) of at most this radius. Halves of it, down to an
-/// eighth, and the straight jump with a stop at both ends are tried as well, and the one with the least
-/// estimated time is taken: a short jump that would have to turn right round takes less time with a stop.
-/// Jumps whose stops[k] is set, counted from 0 (missing ones are not), stay straight and begin a block.
-/// Corners of marks are rests.
-std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, const FlowLimits& limits,
-                            const std::vector<bool>& stops);
+/// Divides a path with jumps as curves (jump_curve.h). Of radii from the wished one down to an eighth of it,
+/// the one with the least estimated time is taken: a short jump that would have to turn right round takes
+/// less time with small arcs. A jump is straight, with a stop at both ends, where no curve serves, and where
+/// the wish says so; `taken` says which. A straight jump begins a block.
+std::vector<Run> smoothRuns(const std::vector<Segment>& path, const JumpWish& wish, const FlowLimits& limits,
+                            JumpsTaken& taken);
 
 }  // namespace kerfbench::planner

@@ -60,12 +60,13 @@ std::optional<std::string> pitchFault(const Solution& solution, int unit, const 
 
 /// Plans one path, or two if the job alternates; empty if the belt is too fast for the axes.
 std::vector<UnitPath> planPaths(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes,
-                                double belt_speed_mm_s, const std::vector<std::vector<bool>>& stops) {
+                                double belt_speed_mm_s, const std::vector<std::vector<bool>>& stops,
+                                bool soonest) {
   std::vector<UnitPath> paths;
   const std::size_t count = job.alternate && job.units > 1 ? 2 : 1;
   for (std::size_t i = 0; i < count; ++i) {
     auto unit = planUnit(i > 0 ? reversedPath(path) : path, job, axes, belt_speed_mm_s,
-                         i < stops.size() ? stops[i] : std::vector<bool>{});
+                         i < stops.size() ? stops[i] : std::vector<bool>{}, soonest);
     if (!unit) return {};
     paths.push_back(std::move(*unit));
   }
@@ -120,6 +121,25 @@ SolveResult layOutAll(std::vector<UnitPath> paths, const MachineParameters& mach
   return {std::move(solution), {}};
 }
 
+/// Jumps before which each of the layouts waits.
+std::vector<std::vector<bool>> waitsOf(const Solution& solution) {
+  std::vector<std::vector<bool>> stops;
+  for (const UnitLayout& layout : solution.layouts) {
+    std::vector<bool>& waits = stops.emplace_back();
+    for (std::size_t i = 1; i < layout.waits.size(); ++i) waits.push_back(layout.waits[i] > 0);
+  }
+  return stops;
+}
+
+JumpsTaken allStraight(const std::vector<Segment>& path) {
+  JumpsTaken taken;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    if (path[i - 1].jump && !path[i].jump)
+      taken.straight.push_back({path[i].entity, path[i].line, JumpsTaken::Why::kNoRoom});
+  }
+  return taken;
+}
+
 }  // namespace
 
 Reposition::Reposition(const Vector2d& p0_W_mm, double v0_mm_s, const Vector2d& p1_W_mm,
@@ -157,26 +177,31 @@ double feedRampMm(double belt_speed_mm_s, const JobParameters& job, double perio
 
 SolveResult solve(const std::vector<Segment>& path, const MachineParameters& machine,
                   const JobParameters& job, const Axes& axes, double belt_speed_mm_s) {
-  const auto with = [&](const JobParameters& tried,
-                        const std::vector<std::vector<bool>>& stops) -> SolveResult {
-    std::vector<UnitPath> paths = planPaths(path, tried, axes, belt_speed_mm_s, stops);
+  const auto with = [&](const JobParameters& tried, const std::vector<std::vector<bool>>& stops,
+                        bool soonest) -> SolveResult {
+    std::vector<UnitPath> paths = planPaths(path, tried, axes, belt_speed_mm_s, stops, soonest);
     if (!paths.empty()) return layOutAll(std::move(paths), machine, tried, axes);
     return {std::nullopt, fmt::format("the x axis makes no more than {:.1f} mm/s", axes.axisLimits().x())};
   };
-  SolveResult result = with(job, {});
+  SolveResult result = with(job, {}, false);
   if (result.solution || job.jump_radius_mm == 0.0) return result;
   // A moving beam cannot wait for the sheet: it rests where the straight jumps have to wait.
   JobParameters straight = job;
   straight.jump_radius_mm = 0.0;
-  SolveResult held = with(straight, {});
-  if (!held.solution) return held;
-  std::vector<std::vector<bool>> stops;
-  for (const UnitLayout& layout : held.solution->layouts) {
-    std::vector<bool>& waits = stops.emplace_back();
-    for (std::size_t i = 1; i < layout.waits.size(); ++i) waits.push_back(layout.waits[i] > 0);
+  SolveResult held = with(straight, {}, false);
+  if (held.solution) {
+    const std::vector<std::vector<bool>> stops = waitsOf(*held.solution);
+    for (const bool soonest : {false, true}) {
+      SolveResult mixed = with(job, stops, soonest);
+      if (mixed.solution) return mixed;
+    }
+    for (UnitPath& unit : held.solution->paths) unit.jumps = allStraight(path);
+    return held;
   }
-  SolveResult mixed = with(job, stops);
-  return mixed.solution ? std::move(mixed) : std::move(held);
+  // Nothing waits, so it is time that lacks.
+  if (belt_speed_mm_s <= 0.0) return held;
+  SolveResult sooner = with(job, {}, true);
+  return sooner.solution ? std::move(sooner) : std::move(held);
 }
 
 double maxBeltSpeed(const std::vector<Segment>& path, const MachineParameters& machine,

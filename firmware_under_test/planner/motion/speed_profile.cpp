@@ -36,9 +36,8 @@ SpeedProfile::SpeedProfile(std::span<const Segment> run, const FlowLimits& limit
   for (std::size_t i = 0; i < run.size(); ++i) {
     if (i > 0) {
       const double turn = turnRad(run[i - 1], run[i]);
-      // The turn happens within one period.
-      if (turn > 1e-9)
-        cap_.back() = std::min(cap_.back(), limits.least(run.front().jump) * limits.period_s / turn);
+      cap_.back() = std::min(
+          cap_.back(), turnSpeed(turn, limits.least(run.front().jump), limits.period_s, limits.corners));
     }
     add(run[i], path_mm_s, limits);
   }
@@ -51,7 +50,7 @@ void SpeedProfile::add(const Segment& segment, double path_mm_s, const FlowLimit
     Interval interval;
     interval.length_mm = total_mm / count;
     interval.curvature_1_mm = segment.isArc() ? 1.0 / segment.radiusMm() : 0.0;
-    double cap = path_mm_s;
+    double cap = std::min(path_mm_s, segment.most_mm_s);
     for (const double u : {0.0, 0.5, 1.0}) {
       const Vector2d tangent = segment.tangentAt(total_mm * (i + u) / count);
       interval.along = interval.along.cwiseMax(tangent.cwiseAbs());
@@ -103,9 +102,10 @@ double SpeedProfile::slower(const Interval& interval, double v_mm_s) const {
 }
 
 SpeedProfile::Speeds SpeedProfile::fastestFrom(double v_mm_s) const {
-  Speeds speeds{std::min(v_mm_s, cap_.front())};
+  Speeds speeds(cap_.size());
+  speeds.front() = std::min(v_mm_s, cap_.front());
   for (std::size_t i = 0; i < intervals_.size(); ++i) {
-    speeds.push_back(std::min(cap_[i + 1], faster(intervals_[i], speeds.back())));
+    speeds[i + 1] = std::min(cap_[i + 1], faster(intervals_[i], speeds[i]));
   }
   return speeds;
 }
@@ -120,8 +120,9 @@ SpeedProfile::Speeds SpeedProfile::fastestTo(double v_mm_s) const {
 }
 
 SpeedProfile::Speeds SpeedProfile::slowestFrom(double v_mm_s) const {
-  Speeds speeds{v_mm_s};
-  for (const Interval& interval : intervals_) speeds.push_back(slower(interval, speeds.back()));
+  Speeds speeds(cap_.size());
+  speeds.front() = v_mm_s;
+  for (std::size_t i = 0; i < intervals_.size(); ++i) speeds[i + 1] = slower(intervals_[i], speeds[i]);
   return speeds;
 }
 

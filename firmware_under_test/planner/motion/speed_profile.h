@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "firmware_under_test/planner/geometry/segment.h"
+#include "firmware_under_test/planner/motion/corners.h"
 
 namespace kerfbench::planner {
 
@@ -23,12 +24,14 @@ struct FlowLimits {
   double jump_acceleration_mm_s2{};
   /// Acceleration of each axis alone, along x and y, that the mirrors allow, see Axes::accelerationBox().
   Eigen::Vector2d box_mm_s2{Eigen::Vector2d::Constant(1e12)};
-  /// Ends of the field across the belt: jumps may not swing out of it.
-  double low_y_mm{-1e12}, high_y_mm{1e12};
+  /// Ends of the field on the sheet: jumps may not swing out of it. Along a moving belt it has none.
+  Eigen::Vector2d low_mm{Eigen::Vector2d::Constant(-1e12)};
+  Eigen::Vector2d high_mm{Eigen::Vector2d::Constant(1e12)};
   double period_s{};
   /// Path speed that the axes allow along a unit vector.
   std::function<double(const Eigen::Vector2d& direction)> axes_mm_s;
   double jerk_mm_s3{0.0};  ///< Largest change of the acceleration, see Pieces; 0: no limit.
+  CornerLimits corners{};  ///< What the beam may miss of corners.
 
   /// Acceleration of marks, or of jumps, that no limit forbids, whatever its direction.
   [[nodiscard]] double least(bool jump) const;

@@ -11,6 +11,8 @@
 #include <Eigen/Geometry>
 
 #include "firmware_under_test/planner/geometry/jump_curve.h"
+#include "firmware_under_test/planner/motion/jerk_profile.h"
+#include "firmware_under_test/planner/motion/rounding.h"
 #include "firmware_under_test/planner/motion/run_up.h"
 #include "firmware_under_test/planner/motion/runs.h"
 #include "firmware_under_test/planner/motion/speed.h"
@@ -39,13 +41,8 @@ void addSamples(std::span<const Segment> run, const std::vector<double>& station
 /// Stations of each run from rest to rest.
 std::vector<std::vector<double>> restStations(const std::vector<Run>& runs, const FlowLimits& limits) {
   std::vector<std::vector<double>> stations;
-  SpeedLimits each{0.0, 0.0, limits.period_s, limits.axes_mm_s, limits.jerk_mm_s3};
-  for (const Run& run : runs) {
-    const bool jump = run.segments.front().jump;
-    each.path_mm_s = jump ? limits.jump_mm_s : limits.mark_mm_s;
-    each.acceleration_mm_s2 = limits.least(jump);
-    stations.push_back(planRun(run.segments, each));
-  }
+  for (const Run& run : runs)
+    stations.push_back(planRun(run.segments, speedLimitsOf(limits, run.segments.front().jump)));
   return stations;
 }
 
@@ -68,6 +65,23 @@ double radiusFor(const std::vector<Segment>& path, const JobParameters& job) {
     for (int i = 0; i <= kParts; ++i) box.extend(segment.at(segment.lengthMm() * i / kParts));
   }
   return paperRadiusMm(box.sizes().maxCoeff());
+}
+
+/// Field as the sheet sees it: where all units of a resting one can be reached; without ends along a moving
+/// one.
+std::pair<Vector2d, Vector2d> fieldOnSheet(const JobParameters& job, const Axes& axes,
+                                           double belt_speed_mm_s) {
+  Vector2d low = axes.fieldMinMm();
+  Vector2d high = axes.fieldMaxMm();
+  if (belt_speed_mm_s > 0.0) {
+    low.x() = -1e12;
+    high.x() = 1e12;
+    return {low, high};
+  }
+  const double last_mm = job.stop_and_go ? 0.0 : (job.units - 1) * job.pitch_mm;
+  low.x() -= job.web_start_x_mm - last_mm;
+  high.x() -= job.web_start_x_mm;
+  return {low, high};
 }
 
 void setExtremes(Block& block, const Vector2d& start_S_mm, double belt_speed_mm_s, double period_s) {
@@ -174,28 +188,34 @@ double catchUpMm(double u, double belt_speed_mm_s, int periods, double period_s)
 }
 
 std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes,
-                                 double belt_speed_mm_s, const std::vector<bool>& stops) {
+                                 double belt_speed_mm_s, const std::vector<bool>& stops, bool soonest) {
   const double top_mm_s =
       std::min(std::max(job.mark_speed_mm_s, job.jump_speed_mm_s), axes.axisLimits().norm()) +
       belt_speed_mm_s;
-  FlowLimits limits{job.mark_speed_mm_s,
-                    job.jump_speed_mm_s,
-                    job.acceleration_mm_s2,
-                    jumpAcceleration(job),
-                    axes.accelerationBox(top_mm_s),
-                    axes.fieldY()[0],
-                    axes.fieldY()[1],
-                    axes.periodS(),
-                    [&](const Vector2d& direction) { return axes.speedLimit(direction, belt_speed_mm_s); },
-                    job.jerk_mm_s3};
+  const auto [low_mm, high_mm] = fieldOnSheet(job, axes, belt_speed_mm_s);
+  const FlowLimits limits{
+      job.mark_speed_mm_s,
+      job.jump_speed_mm_s,
+      job.acceleration_mm_s2,
+      jumpAcceleration(job),
+      axes.accelerationBox(top_mm_s),
+      low_mm,
+      high_mm,
+      axes.periodS(),
+      [&](const Vector2d& direction) { return axes.speedLimit(direction, belt_speed_mm_s); },
+      job.jerk_mm_s3,
+      {job.corner_error_mm, axes.trackingDelayS()}};
   if (limits.box_mm_s2.minCoeff() <= 0.0) return std::nullopt;
   const bool smooth = job.jump_radius_mm != 0.0;
-  std::vector<Run> runs = smooth ? smoothRuns(path, radiusFor(path, job), limits, stops) : straightRuns(path);
+  const std::vector<Segment> rounded = roundedCorners(path, limits);
+  UnitPath unit;
+  std::vector<Run> runs =
+      smooth ? smoothRuns(rounded, {radiusFor(path, job), stops, soonest}, limits, unit.jumps)
+             : straightRuns(rounded);
   const bool runs_up = job.run_up_mm != 0.0;
   if (runs_up) addRunUps(runs, job.run_up_mm == kRunUpOfSpeed ? runUpMm(limits) : job.run_up_mm);
   const std::vector<std::vector<double>> stations =
       smooth || runs_up ? flowStations(runs, limits) : restStations(runs, limits);
-  UnitPath unit;
   unit.start_S_mm = runs.front().segments.front().start_mm;
   unit.belt_speed_mm_s = belt_speed_mm_s;
   unit.period_s = axes.periodS();

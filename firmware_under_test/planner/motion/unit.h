@@ -8,6 +8,7 @@
 #include "firmware_under_test/planner/geometry/segment.h"
 #include "firmware_under_test/planner/head/axes.h"
 #include "firmware_under_test/planner/job/job.h"
+#include "firmware_under_test/planner/motion/jumps_taken.h"
 
 namespace kerfbench::planner {
 
@@ -38,6 +39,7 @@ struct UnitPath {
   double jump_length_mm{};      ///< Length of path with the laser off, between the marks.
   double acceleration_mm_s2{};  ///< Acceleration of the beam along x while it catches up with the sheet.
   double period_s{};            ///< Period of the controller.
+  JumpsTaken jumps;             ///< Jumps of the unit, with a jump radius; without, nothing.
   [[nodiscard]] const Eigen::Vector2d& endS() const { return blocks.back().samples.back().p_S_mm; }
 };
 
@@ -60,10 +62,11 @@ struct LayoutResult {
 
 /// Plans the periods of one unit; nullopt if the belt is too fast for the x axis. `path` begins and ends with
 /// marks but may hold jumps in between. With a jump radius the beam runs through marks and jumps; if stops[k]
-/// is set it rests before and after the jump k, so that it can wait there for the sheet. Straight jumps
-/// always have these rests.
+/// is set it rests before and after the jump k, so that it can wait there for the sheet, and if `soonest` is
+/// set also where that takes less time than arcs (JumpWish). Straight jumps always have these rests.
 std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes,
-                                 double belt_speed_mm_s, const std::vector<bool>& stops = {});
+                                 double belt_speed_mm_s, const std::vector<bool>& stops = {},
+                                 bool soonest = false);
 
 /// Bounds on the start of a unit other than the field.
 struct StartBounds {

@@ -18,6 +18,8 @@ namespace {
 
 /// Coarsest allowed correction table; a fifth of a cut's tolerance.
 constexpr double kCoarsestMm = 0.01;
+/// Smallest corner error: below, the fourth decimal of the G-code says more.
+constexpr double kLeastCornerMm = 0.0005;
 /// Faults of the table against head and field.
 std::vector<std::string> correctionFaults(const MachineParameters& machine) {
   const CorrectionTable& table = *machine.correction;
@@ -149,6 +151,10 @@ class JobChecker {
     positive(job_.jump_speed_mm_s, Parameter::kJumpSpeed, 1e6, 1e-3);
     positive(job_.acceleration_mm_s2, Parameter::kAcceleration, 1e9, 1e-3);
     notNegative(job_.jump_acceleration_mm_s2, Parameter::kJumpAcceleration);
+    check(job_.corner_error_mm == 0.0 ||
+              (job_.corner_error_mm >= kLeastCornerMm && job_.corner_error_mm <= 1.0),
+          fmt::format("{} must be 0, or {:g} … 1, but is {:g}", named(Parameter::kCornerError), kLeastCornerMm,
+                      job_.corner_error_mm));
     check(job_.jump_radius_mm == kRadiusOfDrawing ||
               (std::isfinite(job_.jump_radius_mm) && job_.jump_radius_mm >= 0.0),
           fmt::format("{} must be >= 0, or {:g} for that of the drawing, but is {:g}",

@@ -102,8 +102,9 @@ class EveryFlow : public ::testing::TestWithParam<int> {
 };
 
 /// Mirror angles at the period ends. A second difference is a mean of the acceleration over two periods, so
-/// it exceeds no bound that the motion keeps. The margin is for the turn of the tangent within an interval of
-/// the planner (0.04 rad either way) and for the rounding of the G-code.
+/// it exceeds no bound that the motion keeps, but for a corner between two periods, by up to 2.6 %
+/// (motion/corners.h). The rest of the margin is for the turn of the tangent within an interval of the
+/// planner (0.04 rad either way) and for the rounding of the G-code.
 TEST_P(EveryFlow, KeepsEachMirrorWithinItsLimitsOnTheMovingSheet) {
   const Axes axes(machine_, {});
   const UnitPath unit = planned(job_);
@@ -135,9 +136,9 @@ TEST_P(EveryFlow, KeepsEachMirrorWithinItsLimitsOnTheMovingSheet) {
   }
   const double per_s2 = machine_.mirror_step_rad / (Target{}.periodS() * Target{}.periodS());
   EXPECT_LE(largest_rate, Target::stepBudget(31) + 0.05);
-  EXPECT_LE(largest_acceleration * per_s2, kMirrorLimit_rad_s2 * 1.01);
+  EXPECT_LE(largest_acceleration * per_s2, kMirrorLimit_rad_s2 * 1.03);
   EXPECT_GE(largest_acceleration * per_s2, kMirrorLimit_rad_s2 * 0.85) << "the mirrors should be used";
-  EXPECT_LE(largest_path / (Target{}.periodS() * Target{}.periodS()), job_.acceleration_mm_s2 * 1.01);
+  EXPECT_LE(largest_path / (Target{}.periodS() * Target{}.periodS()), job_.acceleration_mm_s2 * 1.03);
   RecordProperty("largest_rad_s2", std::to_string(largest_acceleration * per_s2));
 }
 
@@ -339,8 +340,11 @@ TEST(Flow, AnyGcodeIsRunInOrderWithFiniteNumbers) {
     while (path.front().jump) path.erase(path.begin());
     double wanted_mm = 0.0;
     for (const Segment& segment : path) wanted_mm += segment.jump ? 0.0 : segment.z * segment.lengthMm();
-    const auto planned = planUnit(path, smoothJob(seed % 3 == 0 ? kRadiusOfDrawing : 0.1 * seed),
-                                  Axes(machine, {}), seed % 2 == 0 ? 0.0 : 30.0);
+    JobParameters job = smoothJob(seed % 3 == 0 ? kRadiusOfDrawing : 0.1 * seed);
+    // A rounded corner is shorter, by less than two thirds of its error for each radian of its turn.
+    if (seed % 2 == 0) job.corner_error_mm = 0.0;
+    const double shorter_mm = 60.0 * job.corner_error_mm;
+    const auto planned = planUnit(path, job, Axes(machine, {}), seed % 2 == 0 ? 0.0 : 30.0);
     ASSERT_TRUE(planned) << seed;
     double marked_mm = 0.0;
     Vector2d before = planned->start_S_mm;
@@ -353,7 +357,8 @@ TEST(Flow, AnyGcodeIsRunInOrderWithFiniteNumbers) {
         before = sample.p_S_mm;
       }
     }
-    EXPECT_NEAR(marked_mm, wanted_mm, 1e-9 * wanted_mm) << seed;
+    EXPECT_LE(marked_mm, wanted_mm * (1.0 + 1e-9)) << seed;
+    EXPECT_GE(marked_mm, wanted_mm * (1.0 - 1e-9) - shorter_mm) << seed;
     EXPECT_LT((before - path.back().end_mm).norm(), 1e-12);
   }
 }
