@@ -97,6 +97,10 @@ inspect::Tolerances readTolerances(base::YamlReader& checks, const Scenario& s) 
   read("cut_through_mm", 0.1, 100, tolerances.cut_through_mm);
   read("kerf_width_mm", 0.001, 10, tolerances.kerf_width_mm);
   read("even_depth_share", 0, 1, tolerances.even_depth_share);
+  tolerances.depth_points =
+      static_cast<int>(checks.integer("even_depth_points", {.min = 0, .max = 1000, .fallback = 0.0}));
+  if (tolerances.depth_points > 0 && !(tolerances.even_depth_share > 0.0))
+    checks.fault("even_depth_points", "needs even_depth_share, the limit that they are held against");
   read("line_energy_j_mm", 0, 100, tolerances.line_energy_j_mm);
   read("line_energy_share", 1e-4, 1, tolerances.line_energy_share);
   double gate_lag_ms = 1e3 * tolerances.gate_lag_s;
@@ -166,6 +170,7 @@ void readChecks(base::YamlReader& file, Scenario& s) {
   auto checks = file.section("checks");
   s.limits = readTolerances(checks, s);
   s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.
+  s.limits.board_thickness_mm = s.board.thickness_mm;
   s.calibration_max_age_days = static_cast<int>(checks.integer(
       "calibration_max_age_days", {.min = 0, .max = 36500, .fallback = s.calibration_max_age_days}));
   s.date = file.text("date", "");

@@ -216,8 +216,14 @@ TEST(BadRelease, HoleAloneOnTheWrongSideFailsByEdge) {
 }
 TEST(BadRelease, ButtonStraightHooksFailsByJoints) { failsBy("button-straight-hooks", "joints", kOneUnit); }
 TEST(BadRelease, ShortLinesOpenLoopFailsByLineEnergy) { failsBy("short-lines-open-loop", "line_energy"); }
-TEST(BadRelease, ShortLinesConstantPowerFailsByEvenDepth) {
-  failsBy("short-lines-constant-power", "even_depth");
+TEST(BadRelease, ShortLinesConstantPowerFailsByEvenDepthAndTheCauseIsSaid) {
+  const ScratchFolder scratch;
+  const ProgramRun run = runOf("faults/short-lines-constant-power.yaml", kAsShipped, scratch);
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  const auto verdict = verdictOf(scratch.path() / "fault-short-lines-constant-power");
+  EXPECT_THAT(checksThat(verdict, "FAIL"), Contains("even_depth")) << run.output;
+  EXPECT_THAT(verdict.at("likely_cause").get<std::string>(),
+              ::testing::HasSubstr("keeps its power where the beam is slow"));
 }
 TEST(BadRelease, HalfCutThroughFailsByDepth) { failsBy("half-cut-through", "depth", kOneUnit); }
 TEST(BadRelease, PerforationOtherFailsByPerforation) {

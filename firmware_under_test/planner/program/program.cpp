@@ -23,6 +23,9 @@ using Op = std::vector<std::uint8_t>;
 /// Share of change above which the gain is sent anew.
 constexpr double kGainShare = 0.002;
 
+/// Periods for which the spot stays that are many: their mean is what the sheet gets.
+constexpr double kManyPeriods = 8.0;
+
 void append(Op& op, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) op.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
@@ -67,7 +70,9 @@ class Writer {
     axis(KB_FEED, feedSteps());
     if (mark != nullptr && mark->marked_mm > 0.0) {
       mask |= KB_OP_POWER;
-      op.push_back(static_cast<std::uint8_t>(std::lround(std::min(powerByte(*mark, machine_, job_), 255.0))));
+      op.push_back(powerOf(*mark));
+    } else {
+      owed_w_ = 0.0;
     }
     if (following_) {
       const double gain = axes_.xStepsPerMm(p_W_mm) * machine_.encoder_count_mm * 4096.0;
@@ -119,6 +124,20 @@ class Writer {
   }
 
  private:
+  /// PWM byte of a mark. Where the spot stays for many periods, what rounding left of the energy of one is
+  /// owed to the next: a step of the PWM is little of a fast beam's power and much of a slow one's.
+  std::uint8_t powerOf(const Sample& mark) {
+    if (!job_.power)
+      return static_cast<std::uint8_t>(std::lround(std::min(powerByte(mark, machine_, job_), 255.0)));
+    const PowerModel& model = *job_.power;
+    const double power_w = powerSetting(mark, machine_, job_).power_w;
+    if (mark.marked_mm / mark.z * kManyPeriods > model.wish().spot_diameter_mm) owed_w_ = 0.0;
+    const double wanted_w = std::clamp(power_w + owed_w_, model.laser().least_w, model.laser().most_w);
+    const std::uint8_t byte = model.byteFor(model.laser().power.inverse(wanted_w).value());
+    owed_w_ += power_w - model.powerOf(byte);
+    return byte;
+  }
+
   /// Refuses a turn that the firmware would delay to set DIR up and hold it as long as the drive needs: the
   /// beam would be late.
   void checkTurn(int axis, int count, int entity) {
@@ -173,6 +192,7 @@ class Writer {
   double feed_speed_{}, feed_target_{}, feed_mm_{};
   std::optional<int> pitch_period_;  // Period of the feed by one pitch that is under way.
   int pitches_{};
+  double owed_w_{};  // Power of one period that rounding has left.
   long feed_steps_{};
 };
 
@@ -229,13 +249,15 @@ UnitPath withConstantPower(UnitPath path, double mark_speed_mm_s, double period_
 }
 
 /// Payload of KB_POWER. The gain is 0.4 of that at which the loop would ring (planner/power/loop.h): for an
-/// integrator whose measurement is n periods late that is 2 sin(pi / (2 (2 n + 1))).
+/// integrator whose measurement is n periods late that is 2 sin(pi / (2 (2 n + 1))). A measurement belongs to
+/// the power that was commanded the delay of the gate, the laser's own lag and the meter's delay before.
 std::vector<std::uint8_t> powerLoopPayload(const MachineParameters& machine, const JobParameters& job,
                                            unsigned gate_delay_ticks) {
   const Target& target = machine.target;
   const PowerModel& model = *job.power;
-  const int ticks = static_cast<int>(gate_delay_ticks) + 1 +
-                    static_cast<int>(std::lround(machine.power_delay_s / target.tick_s));
+  const int ticks =
+      static_cast<int>(gate_delay_ticks) + 1 +
+      static_cast<int>(std::lround((machine.laser_lag_s + machine.power_delay_s) / target.tick_s));
   // A period is prepared while another runs, from the measurement of the one before that.
   const double late = 2.0 + std::ceil(static_cast<double>(ticks) / target.ticks_per_period);
   const double gain = 0.8 * std::sin(std::numbers::pi / (2.0 * (2.0 * late + 1.0)));

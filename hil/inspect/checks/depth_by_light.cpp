@@ -139,6 +139,35 @@ double sigmaOf(const std::vector<Row>& rows) {
   return std::sqrt(medianOf(std::move(squares)) / kMedianSquare);
 }
 
+/// Length over which the depth at a point is told.
+constexpr double kPoint_mm = 2.0;
+
+/// Depth at a point of a line; NaN where no caliper is.
+struct PointDepth {
+  double share{kNan};
+  const vision::Caliper* nearest{};
+};
+
+/// Depths at points of a chain, at equal distances, from its start on.
+std::vector<PointDepth> pointsOf(const Chain& chain, int count) {
+  std::vector<PointDepth> points;
+  for (int i = 0; i < count; ++i) {
+    const double at_mm = chain.length_mm * i / count;
+    PointDepth point;
+    double sum = 0.0;
+    int readings = 0;
+    for (const Reading& reading : chain.readings) {
+      if (std::abs(reading.station_mm - at_mm) > 0.5 * kPoint_mm) continue;
+      if (readings == 0 || reading.station_mm <= at_mm) point.nearest = reading.caliper;
+      sum += reading.share;
+      ++readings;
+    }
+    if (readings > 0) point.share = sum / readings;
+    points.push_back(point);
+  }
+  return points;
+}
+
 Groove grooveOf(const Chain& chain, const Evidence& evidence, const Tolerances& limits) {
   return {limits.board_transmission, evidence.beam_radius_mm, chain.middle_sigma_mm};
 }
@@ -243,6 +272,62 @@ Finding orderedDepthCheck(const Evidence& evidence, const Tolerances& limits) {
   return check;
 }
 
+namespace {
+
+/// What even_depth says of the points that were asked for.
+class Points {
+ public:
+  Points(const std::vector<Chain>& chains, const Evidence& evidence, const Tolerances& limits)
+      : evidence_(evidence), limits_(limits) {
+    if (limits.depth_points <= 0) return;
+    chain_ = &*std::ranges::max_element(chains, {}, &Chain::length_mm);
+    points_ = pointsOf(*chain_, limits.depth_points);
+    std::vector<double> shares;
+    for (std::size_t i = 1; i < points_.size(); ++i)
+      if (points_[i].nearest != nullptr) shares.push_back(points_[i].share);
+    if (!shares.empty()) usual_ = medianOf(std::move(shares));
+  }
+
+  [[nodiscard]] std::size_t count() const { return points_.size(); }
+  /// Adds all but the start; a point without a reading makes the extreme unknown.
+  void addTo(ExtremeEstimate& extreme, double sigma_of_1_mm) const {
+    for (std::size_t i = 1; i < points_.size(); ++i)
+      extreme.add(points_[i].share / usual_ - 1.0, sigma_of_1_mm / std::sqrt(kPoint_mm) / usual_);
+  }
+  [[nodiscard]] std::string text(double sigma_of_1_mm) const {
+    if (points_.empty()) return {};
+    double worst = 0.0;
+    std::string depths;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (i > 0 && !(std::abs(points_[i].share / usual_ - 1.0) <= worst))
+        worst = std::abs(points_[i].share / usual_ - 1.0);
+      depths += fmt::format(" {:.4f}", depth_mm(points_[i].share));
+    }
+    return fmt::format(
+        " Depths at {} points of {}, from its start on, {:.3g} mm apart, in mm:{}. But for the start they "
+        "are "
+        "within {:.2f} % of their median, each known to {:.2f} %.",
+        points_.size(), nameOf(chain_->unit, chain_->entity), chain_->length_mm / limits_.depth_points,
+        depths, 100.0 * worst, 200.0 * sigma_of_1_mm / std::sqrt(kPoint_mm) / usual_);
+  }
+
+ private:
+  [[nodiscard]] double depth_mm(double share) const {
+    const Groove groove = grooveOf(*chain_, evidence_, limits_);
+    const bool is_groove = groove.beam_radius_mm > 0.0 && std::isfinite(share);
+    return limits_.board_thickness_mm *
+           (is_groove ? grooveDepth(groove, brightnessOf(share, groove.transmission)) : share);
+  }
+
+  const Evidence& evidence_;
+  const Tolerances& limits_;
+  const Chain* chain_{};
+  std::vector<PointDepth> points_;
+  double usual_{kNan};
+};
+
+}  // namespace
+
 Finding evenDepthCheck(const Evidence& evidence, const Tolerances& limits) {
   Check check{.name = "even_depth", .title = "Creases and half-cuts are as deep everywhere", .unit = "share"};
   if (!(limits.even_depth_share > 0.0))
@@ -260,7 +345,8 @@ Finding evenDepthCheck(const Evidence& evidence, const Tolerances& limits) {
   }
   std::map<dieline::Process, double> usual;
   for (const auto& [process, values] : shares) usual[process] = medianOf(values);
-  ExtremeEstimate extreme(windows);
+  const Points points(chains, evidence, limits);
+  ExtremeEstimate extreme(windows + points.count());
   const Row* worst = nullptr;
   const Block* worst_block = nullptr;
   double worst_change = 0.0;
@@ -277,6 +363,7 @@ Finding evenDepthCheck(const Evidence& evidence, const Tolerances& limits) {
       worst_change = change;
     }
   }
+  points.addTo(extreme, sigmaOf(rows));
   check.value = extreme.value();
   check.u = check.guard = extreme.expandedU();
   decide(check);
@@ -292,6 +379,7 @@ Finding evenDepthCheck(const Evidence& evidence, const Tolerances& limits) {
       windows, kBlock_mm * kBlocks, placeOf(worst_block->middle->p_S_mm), 100.0 * std::abs(worst_change),
       worst_change > 0.0 ? "deeper" : "shallower", dieline::processName(worst->chain->process),
       100.0 * usual[worst->chain->process], kEnd_mm);
+  check.explanation += points.text(sigmaOf(rows));
   return check;
 }
 

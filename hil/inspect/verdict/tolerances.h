@@ -70,6 +70,8 @@ struct Tolerances {
   OrderedDepth crease_depth{};
   OrderedDepth half_cut_depth{};
   double even_depth_share{0};        ///< Largest change of depth along creases and half-cuts; 0: not judged.
+  int depth_points{0};               ///< Points of even_depth besides its stretches; 0: none.
+  double board_thickness_mm{0.4};    ///< Thickness of whole board, for depths in mm.
   double board_transmission{0.12};   ///< Light through whole board, by which depth is told.
   double line_energy_j_mm{0};        ///< Laser energy per length that marks were to get; 0: not judged.
   double line_energy_share{0.0147};  ///< Largest departure from it (Wang, Li, Chen 2010).

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/spot_association.h"
 #include "tests/hil/inspect/synthetic_run.h"
@@ -79,6 +80,31 @@ TEST(EvenDepth, IsJudgedFromThreeTenthsOfAMillimetreOn) {
     deep.brightness = brightnessAt(0.9);
     EXPECT_EQ(checks::evenDepthCheck(run.evidence, run.limits)->verdict, verdict) << station_mm;
   }
+}
+
+TEST(EvenDepth, NamesTheDepthAtPointsAndJudgesAllButTheStart) {
+  // The crease of each unit, 80 points of it; what is off is shorter than a stretch, and farther off than it.
+  const auto deepAt = [](double from_mm, double to_mm, double share) {
+    auto run = creasedBy([=](double s_mm) { return 0.4 * (s_mm > from_mm && s_mm < to_mm ? share : 1.0); });
+    run.limits.depth_points = 23;
+    run.limits.board_thickness_mm = 0.5;
+    run.evidence.beam_radius_mm = 0.0;
+    return run.inspected();
+  };
+  const auto even = deepAt(0.0, 0.0, 1.0);
+  EXPECT_EQ(checkOf(even, "even_depth").verdict, Verdict::kPass) << checkOf(even, "even_depth").explanation;
+  const std::string& text = checkOf(even, "even_depth").explanation;
+  EXPECT_THAT(text,
+              ::testing::ContainsRegex("Depths at 23 points of unit 0, E[0-9]+, from its start on, .* in "
+                                       "mm:( 0\\.(199|200)[0-9]){23}\\. But for the start"));
+  EXPECT_THAT(text, ::testing::ContainsRegex("within 0\\.[0-2][0-9] % of their median"));
+  // A point at which 2 mm are 4 % too deep is 1.6 % of a stretch of 5 mm, and the whole of the point.
+  const double length_mm = dieline::lengthOf(SyntheticRun().dieline.entities[kCreaseLine].curve);
+  const double point_mm = length_mm * 5.0 / 23.0;
+  const auto deep = deepAt(point_mm - 1.0, point_mm + 1.0, 1.018);
+  EXPECT_EQ(checkOf(deep, "even_depth").verdict, Verdict::kFail) << checkOf(deep, "even_depth").explanation;
+  EXPECT_THAT(checkOf(deep, "even_depth").explanation,
+              ::testing::ContainsRegex("within 1\\.[5-9][0-9] % of their median"));
 }
 
 TEST(EvenDepth, IsNotJudgedUnlessAsked) {

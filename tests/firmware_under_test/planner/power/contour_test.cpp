@@ -90,19 +90,40 @@ class Contour : public ::testing::TestWithParam<double> {
   std::vector<Lit> lit_;
 };
 
+/// The paper's figure 6 has the speed vary from 1.0 to 2.1 s: from T21 to T46.
+TEST_P(Contour, VariesItsSpeedAsLongAsThePaperHasIt) {
+  double way_mm = 0.0;
+  std::vector<double> times_s;
+  for (int i = 0; i < 46; ++i) {
+    way_mm += 4.49 + std::clamp((i - 20) / 20.0, 0.0, 1.0) * (1.96 - 4.49);
+    const auto there =
+        std::find_if(lit_.begin(), lit_.end(), [&](const Lit& lit) { return lit.to_mm >= way_mm; });
+    times_s.push_back(static_cast<double>(there - lit_.begin()) * Target{}.periodS());
+  }
+  EXPECT_NEAR(times_s[20], 0.96, 0.01) << "T21";
+  if (GetParam() > 0.6) EXPECT_NEAR(times_s[45], 2.1, 0.02) << "T46";
+  RecordProperty("t21_s", fmt::format("{:.4f}", times_s[20]));
+  RecordProperty("t46_s", fmt::format("{:.4f}", times_s[45]));
+}
+
 TEST_P(Contour, PowerFollowsTheSpeed) {
   const double p_ua = model_->material().depth.inverse(kDepth_mm).value();
   double worst = 0.0, worst_slow_w = 0.0;
+  double owed_w = 0.0;
   double slowest_mm_s = 100.0;
   for (const Lit& lit : lit_) {
     const double wanted_w = p_ua * lit.speed_mm_s * model_->wish().spot_diameter_mm;
     const double error_w = std::abs(model_->powerOf(lit.byte) - wanted_w);
+    // Where the spot stays for eight periods, rounding of one is owed to the next.
+    if (8.0 * (lit.to_mm - lit.from_mm) > model_->wish().spot_diameter_mm) owed_w = 0.0;
+    owed_w += model_->powerOf(lit.byte) - std::max(wanted_w, model_->laser().least_w);
     if (lit.from_mm > 5.0 && lit.to_mm < 200.0) slowest_mm_s = std::min(slowest_mm_s, lit.speed_mm_s);
     // The limit is a third of the power at 100 mm/s; below it half a step of the PWM is more than 1.47 %.
     if (wanted_w >= 17.4) {
       worst = std::max(worst, error_w / wanted_w);
     } else if (wanted_w >= model_->powerOf(model_->byteFor(0.0))) {
       worst_slow_w = std::max(worst_slow_w, error_w);
+      EXPECT_LT(std::abs(owed_w), 0.28);
     } else {
       EXPECT_EQ(lit.byte, model_->byteFor(0.0)) << "the least that the tube can do";
     }
@@ -110,7 +131,7 @@ TEST_P(Contour, PowerFollowsTheSpeed) {
   RecordProperty("worst_share", fmt::format("{:.5f}", worst));
   RecordProperty("worst_slow_w", fmt::format("{:.3f}", worst_slow_w));
   EXPECT_LT(worst, kPowerShare);
-  EXPECT_LT(worst_slow_w, 0.27) << "half a step of the PWM";
+  EXPECT_LT(worst_slow_w, 0.54) << "a step of the PWM";
   EXPECT_LT(slowest_mm_s, 90.0) << "the contour asks for it";
 }
 
@@ -145,7 +166,7 @@ TEST_P(Contour, WithConstantPowerItWouldNotBe) {
   EXPECT_GT(off_mm, 5.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(TurnsOf, Contour, ::testing::Values(0.15, 0.65));
+INSTANTIATE_TEST_SUITE_P(TurnsOf, Contour, ::testing::Values(0.15, 0.63));
 
 }  // namespace
 }  // namespace kerfbench::planner
