@@ -15,6 +15,12 @@ TEST_F(Mcs51Release, OneLabelPasses) {
   const ProgramRun one = runOneUnit("mcs51/label-on-belt");
   EXPECT_EQ(one.exit_code, 0) << one.output;
 }
+TEST_F(Mcs51Release, OneLabelFromItsOwnMemoryPasses) {
+  const ProgramRun one = runOneUnit("mcs51/own-job-on-belt");
+  EXPECT_EQ(one.exit_code, 0) << one.output;
+  EXPECT_THAT(one.output, testing::HasSubstr("started by its button at 0.1 s"));
+  EXPECT_THAT(one.output, testing::HasSubstr("PASS       belt"));
+}
 // At this instant the main loop is busy, and an interrupt that only hands the guard on is too late.
 TEST_F(Mcs51Release, AnOpenGuardDarkensTheLaserInTime) {
   const ProgramRun one = runOneUnit("safe/interlock-mcs51");
@@ -26,6 +32,10 @@ TEST_F(Mcs51Release, DirLateFailsByPulseTiming) {
 }
 TEST_F(Mcs51ReleaseLong, LabelPasses) {
   const ProgramRun whole = run("mcs51/label-on-belt");
+  EXPECT_EQ(whole.exit_code, 0) << whole.output;
+}
+TEST_F(Mcs51ReleaseLong, LabelsFromItsOwnMemoryPass) {
+  const ProgramRun whole = run("mcs51/own-job-on-belt");
   EXPECT_EQ(whole.exit_code, 0) << whole.output;
 }
 TEST_F(Mcs51ReleaseLong, EncoderScaleFailsByPath) {

@@ -94,6 +94,9 @@ struct JobParameters {
   /// True if the controller drives the belt with feed steps: the program is timed, waits for no mark and does
   /// not follow.
   bool feed_by_controller{false};
+  /// True if the controller follows a belt that runs by itself with its own clock, at the nominal speed: x' =
+  /// x + v t (Cheng, Cui, Zhang 2014, eq. 3), t from the print mark. It reads no encoder.
+  bool belt_by_clock{false};
   /// True for S0's semi-continuous method: the controller feeds one pitch at belt_speed_mm_s, stops the belt,
   /// cuts, and so on.
   bool stop_and_go{false};

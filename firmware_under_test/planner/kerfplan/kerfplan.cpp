@@ -19,6 +19,7 @@
 #include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_compensate.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_library.h"
+#include "firmware_under_test/planner/kerfplan/kerfplan_own_job.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_power.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_strip.h"
 #include "firmware_under_test/planner/order/kerf.h"
@@ -48,6 +49,7 @@ struct Options {
   std::string correction;                   ///< File of the table.
   std::string image;                        ///< Release image of the controller; empty: the AVR release.
   planner::PowerOptions power;
+  planner::OwnJobOptions own_job;
   MachineParameters machine{.head = MachineParameters::Head::kTwoMirror,
                             .throw_mm = 500.0,
                             .mirror_spacing_mm = 15.0,
@@ -321,8 +323,9 @@ Commands addCommands(CLI::App& app, Options& options) {
     return jobCommand(app, options, name, help, writes);
   };
   const CLI::App* gcode = subcommand("gcode", "Write the G-code of one unit, to read or to edit", true);
-  const CLI::App* program = subcommand(
-      "program", "Write the controller's program of all units, an operation per line in hex", true);
+  CLI::App* program = subcommand(
+      "program", "Write the controller's program of all units: an operation per line in hex, or in C", true);
+  planner::addOwnJobOptions(*program, options.own_job);
   const CLI::App* preview = subcommand(
       "preview", "Write a page that plays the job: one HTML file, nothing loaded from elsewhere", true);
   const CLI::App* order = subcommand(
@@ -357,6 +360,10 @@ int run(const Commands& commands, const planner::StripCommands& strip, Options& 
     return 0;
   }
   if (!commands.program->parsed()) return check(options, text);
+  if (options.own_job.target == planner::OwnJobOptions::Target::kMcs51) {
+    write(options, planner::ownJobSource(options.own_job, options.input, text, options.machine, options.job));
+    return 0;
+  }
   write(options, programText(planner::planFromGcode(text, options.machine, options.job).program));
   return 0;
 }
