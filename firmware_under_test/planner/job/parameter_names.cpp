@@ -10,7 +10,7 @@ namespace {
 constexpr double kMilli = 1e3;
 constexpr double kMicro = 1e6;
 
-constexpr std::array<ParameterName, 43> kParameterNames{{
+constexpr std::array<ParameterName, 44> kParameterNames{{
     {Parameter::kThrow, "--throw", "controller.throw_mm"},
     {Parameter::kMirrorSpacing, "--mirror-spacing", "controller.mirror_spacing_mm"},
     {Parameter::kMirrorStep, "--mirror-step", "controller.mirror_step_urad", kMicro},
