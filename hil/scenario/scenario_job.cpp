@@ -101,6 +101,9 @@ planner::JobParameters readJob(base::YamlReader planner, const Scenario& scenari
     base::YamlReader power = planner.section("power");
     job.power = readPower(power);
     job.power_loop = power.boolean("closed_loop", false);
+    job.power_law = power.choice("law", {"damped", "paper"}, "damped") == "paper"
+                        ? planner::JobParameters::PowerLaw::kPaper
+                        : planner::JobParameters::PowerLaw::kDamped;
   }
   job.run_up_mm = planner.number("run_up_mm", {.min = -1, .max = 1000, .fallback = 0.0});
   if (job.run_up_mm < 0.0 && job.run_up_mm != planner::kRunUpOfSpeed)

@@ -216,6 +216,9 @@ TEST(BadRelease, HoleAloneOnTheWrongSideFailsByEdge) {
 }
 TEST(BadRelease, ButtonStraightHooksFailsByJoints) { failsBy("button-straight-hooks", "joints", kOneUnit); }
 TEST(BadRelease, ShortLinesOpenLoopFailsByLineEnergy) { failsBy("short-lines-open-loop", "line_energy"); }
+TEST(BadReleaseLong, ShortLinesByThePapersGainBehindALateMeterFailsByLineEnergy) {
+  failsBy("short-lines-paper-law", "line_energy");
+}
 TEST(BadRelease, ShortLinesConstantPowerFailsByEvenDepthAndTheCauseIsSaid) {
   const ScratchFolder scratch;
   const ProgramRun run = runOf("faults/short-lines-constant-power.yaml", kAsShipped, scratch);

@@ -77,6 +77,10 @@ struct JobParameters {
   std::shared_ptr<const PowerModel> power{};
   /// True if the controller corrects the power by the meter; needs `power` and a meter.
   bool power_loop{false};
+  /// Law of that loop: damped, as far from ringing as the delay of the meter asks, or the paper's own gain of
+  /// 1 (planner/power/loop.h).
+  enum class PowerLaw { kDamped, kPaper };
+  PowerLaw power_law{PowerLaw::kDamped};
   /// Largest change of acceleration in marks and jumps, in the samples (see Pieces for the joints of lines
   /// and arcs); 0: no limit. Returns and the catch-up with the sheet are not limited.
   double jerk_mm_s3{0};

@@ -10,6 +10,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include "firmware_under_test/planner/gcode/gcode.h"
@@ -19,6 +20,7 @@
 #include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_compensate.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_library.h"
+#include "firmware_under_test/planner/kerfplan/kerfplan_loop.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_own_job.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_power.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_strip.h"
@@ -50,6 +52,7 @@ struct Options {
   std::string image;                        ///< Release image of the controller; empty: the AVR release.
   planner::PowerOptions power;
   planner::OwnJobOptions own_job;
+  planner::LoopCase loop;  ///< Tube and meter, for power-loop.
   MachineParameters machine{.head = MachineParameters::Head::kTwoMirror,
                             .throw_mm = 500.0,
                             .mirror_spacing_mm = 15.0,
@@ -316,6 +319,7 @@ struct Commands {
   const CLI::App* program;
   const CLI::App* preview;
   const CLI::App* order;
+  const CLI::App* power_loop;
 };
 
 Commands addCommands(CLI::App& app, Options& options) {
@@ -331,7 +335,39 @@ Commands addCommands(CLI::App& app, Options& options) {
   const CLI::App* order = subcommand(
       "order", "Compare the orders in which a drawing can be cut: air path, time, highest belt speed", false);
   subcommand("check", "Say whether and how the job fits the machine", false);
-  return {gcode, program, preview, order};
+  CLI::App* loop = subcommand(
+      "power-loop",
+      "Compare laws of the loop on the measured power over the marks of a job (with --material, --laser and "
+      "--depth): the paper's P(k+1) = P(k) + (P_out - P_f) and the damped one; with -o as a plot (SVG)",
+      true);
+  loop->add_option("--tube", options.loop.tube, "Power of the tube over its nominal one")
+      ->capture_default_str();
+  loop->add_option("--late", options.loop.late_periods, "Periods until a measurement can be used")
+      ->capture_default_str();
+  return {gcode, program, preview, order, loop};
+}
+
+/// Compares laws of the power loop over all marks of one unit.
+void comparePowerLoops(const Options& options, const std::string& gcode) {
+  if (!options.job.power) throw planner::PowerError("power-loop needs --material, --laser and --depth");
+  const planner::CheckResult checked = planner::checkJob(gcode, options.machine, options.job);
+  if (!checked.solution) throw planner::PlanError(fmt::format("{}", fmt::join(checked.errors, "\n")));
+  planner::LoopCase loop = options.loop;
+  const planner::LaserTube& laser = options.job.power->laser();
+  loop.limits = {laser.least_w, laser.most_w};
+  loop.period_s = options.machine.target.periodS();
+  std::vector<double> wanted_w;
+  for (const planner::Block& block : checked.solution->paths.front().blocks) {
+    for (const planner::Sample& sample : block.samples) {
+      if (sample.marked_mm > 0.0)
+        wanted_w.push_back(planner::powerSetting(sample, options.machine, options.job).power_w);
+    }
+  }
+  if (!options.output.empty()) {
+    write(options, planner::loopPlot(wanted_w, loop));
+    if (options.output == "-") return;
+  }
+  std::cout << planner::loopTable(wanted_w, loop);
 }
 
 /// Runs the commands; returns the exit code.
@@ -352,6 +388,10 @@ int run(const Commands& commands, const planner::StripCommands& strip, Options& 
   const std::string text = gcodeOf(options);
   if (commands.gcode->parsed()) {
     write(options, text);
+    return 0;
+  }
+  if (commands.power_loop->parsed()) {
+    comparePowerLoops(options, text);
     return 0;
   }
   if (commands.preview->parsed()) {

@@ -14,7 +14,7 @@ double runUpMm(const FlowLimits& limits);
 
 /// Lets marks begin and end at speed: in front of each mark that a straight jump leads to, and of the first,
 /// the beam comes from `length_mm` before it along its tangent with the laser off; behind the last mark
-/// before a jump, and the last of all, it goes on as far. Corners between marks stay rests. `runs` are
+/// before a jump, and the last of all, it goes on as far. `runs` are
 /// straightRuns().
 void addRunUps(std::vector<Run>& runs, double length_mm);
 

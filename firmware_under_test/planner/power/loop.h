@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 namespace kerfbench::planner {
 
 struct PowerLimits {
@@ -22,5 +24,20 @@ struct PowerLimits {
 /// @param gain in (0, 1].
 double nextPower(double power_w, double wanted_w, double measured_w, const PowerLimits& limits,
                  double gain = 1.0);
+
+/// Gain that settles without ringing where a measurement is this many periods late: 0.4 of that at which the
+/// loop would ring for ever, which for an integrator behind a delay of n periods is 2 sin(pi / (2 (2 n +
+/// 1))).
+double dampedGain(int late_periods);
+
+/// How a loop learns: in watts, as the paper writes it, or in shares of P_out, as the firmware does.
+enum class LoopLaw { kWatts, kShares };
+
+/// Course of a loop: the tube's power in each period over the wanted one, for a tube with `tube` times its
+/// nominal power whose measurement comes late_periods periods after the period that it measures, 0: before
+/// the next is commanded. P_out is that of the measured period, and what it changes by is commanded at once.
+/// @pre wanted powers > 0, late_periods >= 0.
+std::vector<double> loopCourse(const std::vector<double>& wanted_w, double tube, int late_periods,
+                               double gain, LoopLaw law, const PowerLimits& limits);
 
 }  // namespace kerfbench::planner

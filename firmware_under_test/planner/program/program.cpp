@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "firmware_under_test/controller/protocol.h"
+#include "firmware_under_test/planner/power/loop.h"
 
 namespace kerfbench::planner {
 namespace {
@@ -23,6 +24,8 @@ using Op = std::vector<std::uint8_t>;
 /// Share of change above which the gain is sent anew.
 constexpr double kGainShare = 0.002;
 
+/// Most that the gain's byte holds, of 256: the paper's 1.
+constexpr std::uint64_t kMostGain = 255;
 /// Periods for which the spot stays that are many: their mean is what the sheet gets.
 constexpr double kManyPeriods = 8.0;
 
@@ -248,8 +251,7 @@ UnitPath withConstantPower(UnitPath path, double mark_speed_mm_s, double period_
   return path;
 }
 
-/// Payload of KB_POWER. The gain is 0.4 of that at which the loop would ring (planner/power/loop.h): for an
-/// integrator whose measurement is n periods late that is 2 sin(pi / (2 (2 n + 1))). A measurement belongs to
+/// Payload of KB_POWER. A measurement belongs to
 /// the power that was commanded the delay of the gate, the laser's own lag and the meter's delay before.
 std::vector<std::uint8_t> powerLoopPayload(const MachineParameters& machine, const JobParameters& job,
                                            unsigned gate_delay_ticks) {
@@ -259,10 +261,11 @@ std::vector<std::uint8_t> powerLoopPayload(const MachineParameters& machine, con
       static_cast<int>(gate_delay_ticks) + 1 +
       static_cast<int>(std::lround((machine.laser_lag_s + machine.power_delay_s) / target.tick_s));
   // A period is prepared while another runs, from the measurement of the one before that.
-  const double late = 2.0 + std::ceil(static_cast<double>(ticks) / target.ticks_per_period);
-  const double gain = 0.8 * std::sin(std::numbers::pi / (2.0 * (2.0 * late + 1.0)));
+  const int late = 2 + static_cast<int>(std::ceil(static_cast<double>(ticks) / target.ticks_per_period));
+  const double gain = dampedGain(late);
   Op payload;
-  append(payload, static_cast<std::uint64_t>(std::lround(256.0 * gain)), 1);
+  const bool paper = job.power_law == JobParameters::PowerLaw::kPaper;
+  append(payload, paper ? kMostGain : static_cast<std::uint64_t>(std::lround(256.0 * gain)), 1);
   append(payload, model.byteFor(0.0), 1);
   append(payload, model.byteFor(model.laser().full_control), 1);
   append(payload, static_cast<std::uint64_t>(ticks), 2);

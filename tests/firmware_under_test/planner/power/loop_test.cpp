@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware_under_test/planner/power/loop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -158,6 +160,54 @@ TEST(PowerLoop, NoiseOfTheMeasurementStaysBounded) {
       worst = std::max(worst, std::abs(gain * power - 40.0));
     }
     EXPECT_LE(worst, gain * 0.5 / (1.0 - std::abs(1.0 - gain)) + 1e-9);
+  }
+}
+
+/// Powers of a contour of short lines: up and down between 11 and 55 W within 20 ms, and even for as long.
+std::vector<double> braking() {
+  std::vector<double> wanted_w;
+  for (int k = 0; k < 600; ++k) {
+    const int phase = k % 50;
+    wanted_w.push_back(phase < 25 ? 11.0 + 3.667 * std::abs(12 - std::min(phase, 24)) : 55.0);
+  }
+  return wanted_w;
+}
+
+double worstOf(double tube, int late, double gain, LoopLaw law) {
+  const std::vector<double> shares = loopCourse(braking(), tube, late, gain, law, {1.0, 500.0});
+  double worst = 0.0;
+  for (std::size_t k = 100; k < shares.size(); ++k) worst = std::max(worst, std::abs(shares[k] - 1.0));
+  return worst;
+}
+
+/// Wang, Li, Chen 2010, figure 3, as written: it holds where P_f is that of P(k), and rings for ever where it
+/// is periods late. In shares of P_out with the damped gain a late measurement does no harm on ramps either.
+TEST(PowerLoop, ThePapersLawNeedsAMeasurementOfTheSamePeriod) {
+  EXPECT_LT(worstOf(0.95, 0, 1.0, LoopLaw::kWatts), 0.02);
+  EXPECT_GT(worstOf(0.95, 3, 1.0, LoopLaw::kWatts), 1.0);
+  for (const int late : {0, 1, 3, 5}) {
+    EXPECT_LT(worstOf(0.95, late, dampedGain(late), LoopLaw::kShares), 0.002) << late;
+    EXPECT_LT(worstOf(1.2, late, dampedGain(late), LoopLaw::kShares), 0.005) << late;
+  }
+  EXPECT_GT(worstOf(0.95, 3, dampedGain(3), LoopLaw::kWatts), 0.05)
+      << "what is learnt in watts fails on ramps";
+}
+
+/// An integrator with gain g behind n periods rings for ever from 2 sin(pi / (2 (2 n + 1))) on.
+TEST(PowerLoop, RingsFromTwoAndAHalfTimesItsGainOn) {
+  const std::vector<double> even(4000, 50.0);
+  for (const int late : {0, 1, 2, 4, 7}) {
+    const double limit = 2.5 * dampedGain(late);
+    const auto last = [&](double gain) {
+      const std::vector<double> shares =
+          loopCourse(even, 0.95, late, gain / 0.95, LoopLaw::kShares, {0.1, 1e9});
+      double most = 0.0;
+      for (std::size_t k = shares.size() - 60; k < shares.size(); ++k)
+        most = std::max(most, std::abs(shares[k] - 1.0));
+      return most;
+    };
+    EXPECT_LT(last(0.98 * limit), 0.02) << late;
+    EXPECT_GT(last(1.02 * limit), 0.05) << late;
   }
 }
 
