@@ -76,6 +76,19 @@ std::string planeSummary(const Compensated& done) {
   return text;
 }
 
+/// Refuses options that the kind of file makes no use of.
+void refuseIdle(const CLI::App& command, bool in_space) {
+  const std::array<const char*, 2> of_drawings{"--open-cuts", "--allow-lost"};
+  const std::array<const char*, 2> of_space{"--side", "--pierced"};
+  std::string faults;
+  for (const char* option : in_space ? of_drawings : of_space) {
+    if (command.count(option) == 0) continue;
+    faults += fmt::format("{}{} has no effect: it is for {}", faults.empty() ? "" : "\n", option,
+                          in_space ? "drawings" : "contours in space (.xyz)");
+  }
+  if (!faults.empty()) throw PlanError(faults);
+}
+
 }  // namespace
 
 void addKerfOptions(CLI::App& app, JobParameters& j) {
@@ -133,7 +146,9 @@ bool CompensateCommand::run() const {
   if (!sub_->parsed()) return false;
   const Options& o = *options_;
   if (!(o.job.kerf_radius_mm > 0.0)) throw PlanError("compensate needs a --kerf-radius > 0");
-  if (extensionOf(o.input) == ".xyz") {
+  const bool in_space = extensionOf(o.input) == ".xyz";
+  refuseIdle(*sub_, in_space);
+  if (in_space) {
     try {
       SpaceContour contour = readSpaceContour(inputText(o.input), o.input);
       contour.side = o.side;
