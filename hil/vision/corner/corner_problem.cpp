@@ -25,11 +25,9 @@ constexpr double kOpenSigma = 4.0;  // Standard deviation of open kerf, gray.
 constexpr double kBlurShapePx = 0.02;
 /// Standard deviation of scorch, which the calipers correct for (FlankModel).
 constexpr double kScorchSigma_mm = 0.0025;
-// Steps of derivatives: the law's is beyond where it counts for Beer's, the blur's that of a difference of
-// pictures in floats.
-constexpr double kStep = 1e-6;
-constexpr double kLawStep = 5e-4;
-constexpr double kBlurStep_px = 2e-3;
+constexpr double kLengthStep_mm = 5e-4;  // Step of differences by lengths.
+constexpr double kGrayStep = 0.2;
+constexpr double kOtherStep = 2e-3;
 constexpr double kDarkShare = 0.1;  // Share of the way from board to open kerf.
 constexpr double kLeastNoise_gray2 = 0.09;
 
@@ -116,21 +114,15 @@ void CornerProblem::setNoiseFrom(const VectorXd& x) {
 }
 
 int CornerProblem::operator()(const VectorXd& x, VectorXd& f) const {
-  model_.render(shapeOf(x, known_.legs.front()), lightOf(x), gray_);
-  setPixels(f);
-  setKnown(x, f);
-  return 0;
-}
-
-void CornerProblem::setPixels(VectorXd& f) const {
-  for (std::size_t i = 0; i < used_.size(); ++i)
-    f[static_cast<Index>(i)] = (gray_[used_[i]] - picture_.gray[used_[i]]) / noise_gray_[i];
-}
-
-void CornerProblem::setKnown(const VectorXd& x, VectorXd& f) const {
+  const Index n = pixels();
   const CornerShape shape = shapeOf(x, known_.legs.front());
   const CornerLight& light = known_.light;
-  Index next = pixels();
+  model_.render(shape, lightOf(x), gray_);
+  for (Index i = 0; i < n; ++i) {
+    const std::size_t at = used_[static_cast<std::size_t>(i)];
+    f[i] = (gray_[at] - picture_.gray[at]) / noise_gray_[static_cast<std::size_t>(i)];
+  }
+  Index next = n;
   const auto hold = [&](const CornerLeg& leg, const KnownLeg& known) {
     for (const KnownLeg::Point& p : known.points)
       f[next++] = (leg.offsetAt(p.along_mm) - p.offset_mm) / p.sigma_mm;
@@ -154,21 +146,21 @@ void CornerProblem::setKnown(const VectorXd& x, VectorXd& f) const {
     f[f.size() - 2] = apart_mm / (together_mm + kUneven_mm);
     f[f.size() - 1] = std::max(0.0, std::abs(apart_mm) - together_mm) / kOpposite_mm;
   }
+  return 0;
 }
 
 int CornerProblem::df(const VectorXd& x, MatrixXd& jacobian) const {
-  VectorXd here(values()), there(values());
-  setKnown(x, here);
-  model_.linearizeAt(shapeOf(x, known_.legs.front()), lightOf(x), gray_);
+  VectorXd here(values());
+  VectorXd there(values());
+  (*this)(x, here);
   for (Index k = 0; k < inputs_; ++k) {
-    const double step = k == kBlur ? kBlurStep_px : k == kLaw ? kLawStep : kStep;
+    const bool length = k == kInOffset || k == kOutOffset || k >= kInScorch;
+    const bool gray = k == kBoard || k == kOpen;
+    const double step = length ? kLengthStep_mm : gray ? kGrayStep : kOtherStep;
     VectorXd y = x;
     y[k] += step;
-    setKnown(y, there);
-    jacobian.col(k).tail(values() - pixels()) = (there - here).tail(values() - pixels()) / step;
-    model_.rateTowards(shapeOf(y, known_.legs.front()), lightOf(y), step, gray_);
-    for (std::size_t i = 0; i < used_.size(); ++i)
-      jacobian(static_cast<Index>(i), k) = gray_[used_[i]] / noise_gray_[i];
+    (*this)(y, there);
+    jacobian.col(k) = (there - here) / step;
   }
   return 0;
 }

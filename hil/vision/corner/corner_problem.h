@@ -74,11 +74,6 @@ class CornerProblem {
 
  private:
   static constexpr Eigen::Index kPriors = 18;
-  /// Sets the residuals of the pixels of gray_.
-  void setPixels(Eigen::VectorXd& f) const;
-  /// Sets the residuals of what is known beside the picture.
-  void setKnown(const Eigen::VectorXd& x, Eigen::VectorXd& f) const;
-
   const CornerPicture& picture_;
   const CornerKnown& known_;
   mutable CornerModel model_;

@@ -60,53 +60,27 @@ class LightLaw {
   double through_whole_{};
 };
 
-/// LightLaw::lightAt() times a factor, from a table, for pictures of many places.
-class LightTable {
+/// LightLaw::lightAt() from a table, for pictures of many places.
+class FastLaw {
  public:
-  LightTable() = default;
-  LightTable(const LightLaw& law, double factor) {
-    for (std::size_t i = 0; i < exact_.size(); ++i)
-      exact_[i] = factor * law.lightAt(static_cast<double>(i) / kSteps);
-    setSteps();
+  FastLaw(double transmission, const LightGrowth& growth) {
+    const LightLaw exact(transmission, growth);
+    for (std::size_t i = 0; i < table_.size(); ++i)
+      table_[i] = static_cast<float>(exact.lightAt(static_cast<double>(i) / kSteps));
+    table_.back() = 1.0F;
   }
-  /// Table of the derivative by a parameter, of which a step of `step` makes `next` of this table.
-  [[nodiscard]] LightTable rateTowards(const LightTable& next, double step) const {
-    LightTable rate;
-    for (std::size_t i = 0; i < exact_.size(); ++i) rate.exact_[i] = (next.exact_[i] - exact_[i]) / step;
-    rate.setSteps();
-    return rate;
-  }
-  [[nodiscard]] float at(float share) const {
-    const Place place(share);
-    return table_[place.step] + place.beyond * (table_[place.step + 1] - table_[place.step]);
-  }
-  [[nodiscard]] bool operator==(const LightTable&) const = default;
-  /// Derivative by the share.
-  [[nodiscard]] float slopeAt(float share) const {
-    const Place place(share);
-    return kSteps * (table_[place.step + 1] - table_[place.step]);
+  [[nodiscard]] float lightAt(float share) const {
+    // Whatever a fit tries, not a number included.
+    const float place = (share < 1.0F ? std::max(share, 0.0F) : 1.0F) * kSteps;
+    const int i = static_cast<int>(place);
+    const float t = place - static_cast<float>(i);
+    const float* const at = table_.data() + i;
+    return at[0] + t * (at[1] - at[0]);
   }
 
  private:
   static constexpr int kSteps = 256;
-  struct Place {
-    std::size_t step;
-    float beyond;
-
-    /// Takes whatever a fit tries, not a number included.
-    explicit Place(float share) {
-      const float place = (share < 1.0F ? std::max(share, 0.0F) : 1.0F) * kSteps;
-      step = static_cast<std::size_t>(static_cast<int>(place));
-      beyond = place - static_cast<float>(step);
-    }
-  };
-  void setSteps() {
-    std::copy(exact_.begin(), exact_.end(), table_.begin());
-    table_.back() = table_[kSteps];
-  }
-
-  std::array<double, kSteps + 1> exact_{};
-  std::array<float, kSteps + 2> table_{};  ///< The last one twice, for a share of 1.
+  std::array<float, kSteps + 2> table_{};
 };
 
 }  // namespace kerfbench::vision
