@@ -105,4 +105,36 @@ SpaceCheck checkCorner(const SpaceCorner& corner, const std::vector<SpacePoint>&
   return check;
 }
 
+SpaceCheck checkJoint(const SpaceContour& contour, const SpacePath& path, const SpaceJointReport& report,
+                      double radius_mm) {
+  const std::size_t last = contour.points.size() - 1;
+  const std::size_t from = report.point > 0 ? report.point - 1 : last - 1;
+  const std::size_t to = report.point < last ? report.point + 1 : 1;
+  // The path's neighbours of the joint; the first and the last point of a closed path are one.
+  const std::size_t end = report.first_path_point + report.path_points;
+  std::vector<SpacePoint> points(
+      path.points.begin() + static_cast<std::ptrdiff_t>(report.first_path_point) - 1,
+      path.points.begin() + static_cast<std::ptrdiff_t>(end));
+  points.push_back(path.points[end < path.points.size() ? end : 1]);
+
+  SpaceCorner corner;
+  corner.side = contour.side;
+  corner.b = contour.points[report.point].p_mm;
+  const Vector3d u1 = (corner.b - contour.points[from].p_mm).normalized();
+  const Vector3d u2 = (contour.points[to].p_mm - corner.b).normalized();
+  corner.n1 = points.front().axis;
+  corner.n2 = points[points.size() - 2].axis;
+  corner.a = corner.b - (corner.b - points.front().p_mm).dot(u1) * u1;
+  corner.c = corner.b + (points.back().p_mm - corner.b).dot(u2) * u2;
+  const double mirror = contour.side == Side::kLeft ? 1.0 : -1.0;
+  const Vector3d m = corner.n1.cross(corner.n2).normalized();
+  corner.along = mirror * corner.n1.cross(u1).dot(m) > 0.0 ? m : Vector3d(-m);
+  const auto across = [&](const Vector3d& v) {
+    return Vector3d((v - v.dot(corner.along) * corner.along).normalized());
+  };
+  corner.h1 = across(-u1);
+  corner.h2 = across(u2);
+  return checkCorner(corner, points, radius_mm);
+}
+
 }  // namespace kerfbench::planner

@@ -34,4 +34,8 @@ struct SpaceCheck {
 /// beyond.
 SpaceCheck checkCorner(const SpaceCorner& corner, const std::vector<SpacePoint>& path, double radius_mm);
 
+/// Checks the joint `report` of a path: its lines from where the joint before ends to where the next begins.
+SpaceCheck checkJoint(const SpaceContour& contour, const SpacePath& path, const SpaceJointReport& report,
+                      double radius_mm);
+
 }  // namespace kerfbench::planner

@@ -8,10 +8,28 @@
 
 namespace kerfbench::planner {
 
-/// Reads a contour, a point a line: x y z in mm and the axis i j k (a unit vector) of the line that begins
-/// there, with blanks, tabs or commas between. '#' and ';' begin comments. `name` is for messages.
-/// @throws CompensationError that lists every fault with its line.
-SpaceContour readSpaceContour(const std::string& text, const std::string& name);
+/// Distance of a curve from its chords, unless another is asked for.
+inline constexpr double kChordErrorMm = 0.005;
+
+/// Reads a contour in space; lengths in mm, with blanks, tabs or commas between. '#' and ';' begin comments.
+///
+///     x y z  i j k                   a point, and the axis (a unit vector) of the line that begins there
+///     via x y z                      between two points: an arc through this place leads from one to the
+///     other centre x y z  degrees          between two points: an arc round this centre; > 0
+///     counter-clockwise as
+///                                    seen along the axis of the first
+///     bezier x y z  x y z  [i j k]   between two points: a cubic Bézier curve with these inner points; the
+///                                    axis at its end, if the surface bends
+///     spline x y z  i j k            three or more in a row: a cubic spline, its axis turning from
+///                                    point to point
+///
+/// An arc's plane is perpendicular to the axis of its begin, to half a degree. Where a spline ends and a line
+/// in another plane begins, its last place is given again as a point. Curves become chords within
+/// `chord_error_mm` (1e-4 … 1), see chordsOf(). `name` is for messages.
+/// @throws CompensationError that lists every fault of a line by itself, or the first of a curve, with its
+/// line.
+SpaceContour readSpaceContour(const std::string& text, const std::string& name,
+                              double chord_error_mm = kChordErrorMm);
 
 /// Pose of five axes: X Y Z of the focus, and a head that turns about Z by C and about its own X by A, so
 /// that its axis is (sin C sin A, -cos C sin A, cos A).

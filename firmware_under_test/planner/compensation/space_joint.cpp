@@ -124,6 +124,13 @@ std::vector<Vector2d> paperLeg(SpaceJoint joint, const Leg& leg, double fold, bo
   return {leg.nu - along * t};
 }
 
+/// Length of the line, in radii, that the paper's joint does without: up to its first point, or where it has
+/// none up to the fold.
+double paperCut(const Leg& leg, const std::vector<Vector2d>& points, double radius_mm) {
+  const double cut = points.empty() ? -1.0 / std::tan(leg.own) : points.front().dot(leg.v) / radius_mm;
+  return std::max(0.0, cut);
+}
+
 }  // namespace
 
 const char* nameOf(SpaceJoint joint) {
@@ -205,6 +212,7 @@ PaperPath paperPath(const FoldCorner& corner, double radius_mm) {
   PaperPath path;
   if (joint == SpaceJoint::kOnePoint) {
     path.fold_mm = radius_mm / std::sin(corner.alpha_rad);
+    path.cut_first_mm = path.cut_second_mm = radius_mm * paperCut(first, {}, radius_mm);
     return path;
   }
   if (joint == SpaceJoint::kRadius) {
@@ -221,6 +229,8 @@ PaperPath paperPath(const FoldCorner& corner, double radius_mm) {
   const double fold = 1.0 / std::sin(other.other);
   (second_leads ? path.first : path.second) = scaled(paperLeg(joint, other, fold, path.exists), radius_mm);
   path.fold_mm = radius_mm * fold;
+  path.cut_first_mm = radius_mm * paperCut(first, path.first, radius_mm);
+  path.cut_second_mm = radius_mm * paperCut(second, path.second, radius_mm);
   return path;
 }
 

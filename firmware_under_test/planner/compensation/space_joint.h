@@ -71,6 +71,8 @@ FoldPath foldPath(const FoldCorner& corner, double radius_mm);
 /// of the other offset is at r). The points go from offset to offset over the fold, like FoldPath::first, the
 /// fold point and FoldPath::second reversed.
 struct PaperPath {
+  double cut_first_mm{};   ///< As in FoldPath.
+  double cut_second_mm{};  ///< As in FoldPath.
   std::vector<Eigen::Vector2d> first;
   double fold_mm{};
   std::vector<Eigen::Vector2d> second;

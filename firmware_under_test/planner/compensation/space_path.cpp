@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -47,14 +49,31 @@ std::string placeOf(const SpaceContour& contour, std::size_t point) {
   return fmt::format("point {} {}", point + 1, where);
 }
 
+/// Lets one fault of all of a curve's chords through.
+class OncePerCurve {
+ public:
+  bool isNew(const SpaceContour& contour, std::size_t line) {
+    const SpaceCurve* curve = contour.curveOf(line);
+    const bool known = curve != nullptr && curve == last_;
+    last_ = curve;
+    return !known;
+  }
+
+ private:
+  const SpaceCurve* last_{};
+};
+
 std::vector<Line> linesOf(const SpaceContour& contour, const SpaceLimits& limits,
                           std::vector<std::string>& faults) {
   std::vector<Line> lines;
+  OncePerCurve told;
   const double side = contour.side == Side::kLeft ? 1.0 : -1.0;
   for (std::size_t i = 0; i + 1 < contour.points.size(); ++i) {
     const SpacePoint& from = contour.points[i];
     Line line{from.p_mm, contour.points[i + 1].p_mm, {}, {}, {}, 0.0};
-    const auto fault = [&](const std::string& what) { faults.push_back(placeOf(contour, i) + ": " + what); };
+    const auto fault = [&](const std::string& what) {
+      if (told.isNew(contour, i)) faults.push_back(placeOf(contour, i) + ": " + what);
+    };
     if (!line.a.allFinite() || !line.b.allFinite() || !from.axis.allFinite()) {
       fault("a number is not finite");
       continue;
@@ -147,9 +166,17 @@ Fold foldOf(const Line& in, const Line& out, const SpaceLimits& limits) {
   return fold;
 }
 
-Corner foldCorner(const Line& in, const Line& out, const Fold& fold, double radius_mm) {
+/// Joint over a fold by either law; nullopt where the paper's text gives no points.
+std::optional<FoldPath> jointBy(JointLaw law, const FoldCorner& corner, double radius_mm) {
+  if (law == JointLaw::kOurs) return foldPath(corner, radius_mm);
+  PaperPath paper = paperPath(corner, radius_mm);
+  if (!paper.exists) return std::nullopt;
+  return FoldPath{paper.cut_first_mm, paper.cut_second_mm,     std::move(paper.first),
+                  paper.fold_mm,      std::move(paper.second), false};
+}
+
+Corner foldCorner(const Line& in, const Line& out, const Fold& fold, const FoldPath& path) {
   Corner corner;
-  const FoldPath path = foldPath(fold.corner, radius_mm);
   corner.cut_first_mm = path.cut_first_mm;
   corner.cut_second_mm = path.cut_second_mm;
   const Vector3d& b = in.b;
@@ -168,16 +195,18 @@ Corner foldCorner(const Line& in, const Line& out, const Fold& fold, double radi
   return corner;
 }
 
-/// A point of a contour, and the lines that meet there.
+/// A point of a contour, the lines that meet there, and how a path shall lead round it.
 struct MeetingLines {
   std::size_t point;
   const Line& in;
   const Line& out;
+  double radius_mm;
+  JointLaw law;
 };
 
-Corner cornerAt(const SpaceContour& contour, const MeetingLines& joint, double radius_mm,
-                const SpaceLimits& limits, std::vector<std::string>& faults) {
-  const auto& [point, in, out] = joint;
+Corner cornerAt(const SpaceContour& contour, const MeetingLines& joint, const SpaceLimits& limits,
+                std::vector<std::string>& faults) {
+  const auto& [point, in, out, radius_mm, law] = joint;
   Corner corner;
   const double between = std::atan2(in.n.cross(out.n).norm(), in.n.dot(out.n)) / kDeg;
   if (between <= limits.planar_deg) {
@@ -190,10 +219,15 @@ Corner cornerAt(const SpaceContour& contour, const MeetingLines& joint, double r
     faults.push_back(placeOf(contour, point) + ": the planes lie back to back, or face to face");
   } else {
     const Fold fold = foldOf(in, out, limits);
-    if (fold.fault.empty()) {
-      corner = foldCorner(in, out, fold, radius_mm);
+    const std::optional<FoldPath> path =
+        fold.fault.empty() ? jointBy(law, fold.corner, radius_mm) : std::nullopt;
+    if (path) {
+      corner = foldCorner(in, out, fold, *path);
     } else {
-      faults.push_back(placeOf(contour, point) + ": " + fold.fault);
+      faults.push_back(placeOf(contour, point) + ": " +
+                       (fold.fault.empty() ? "the paper's joint of fixed length has no point here: no place "
+                                             "of the other offset is at the radius"
+                                           : fold.fault));
     }
   }
   corner.report.point = point;
@@ -203,6 +237,7 @@ Corner cornerAt(const SpaceContour& contour, const MeetingLines& joint, double r
 /// Finds pieces of path that come nearer than the radius to a line of the contour.
 void checkClear(const SpaceContour& contour, const std::vector<Line>& lines, const SpacePath& path,
                 double radius_mm, std::vector<std::string>& faults) {
+  OncePerCurve told;
   for (std::size_t j = 0; j < lines.size(); ++j) {
     const Line& line = lines[j];
     Eigen::AlignedBox3d box(line.a);
@@ -220,13 +255,47 @@ void checkClear(const SpaceContour& contour, const std::vector<Line>& lines, con
       nearest = d;
       where = 0.5 * (p + q);
     }
-    if (nearest < radius_mm - kFoldTooNearMm) {
+    if (nearest < radius_mm - kFoldTooNearMm && told.isNew(contour, j)) {
       faults.push_back(
           fmt::format("{}: the path comes as near as {:.4f} mm to the line that begins here, about ({:.3f}, "
                       "{:.3f}, {:.3f})",
                       placeOf(contour, j), nearest, where.x(), where.y(), where.z()));
     }
   }
+}
+
+/// Finds lines that are shorter than what the joints at their ends take.
+void checkLengths(const SpaceContour& contour, const std::vector<Line>& lines,
+                  const std::vector<Corner>& corners, std::vector<std::string>& faults) {
+  OncePerCurve told;
+  const bool closed = corners.size() == lines.size();
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const double begin = i > 0 ? corners[i - 1].cut_second_mm : (closed ? corners.back().cut_second_mm : 0.0);
+    const double end = i < corners.size() ? corners[i].cut_first_mm : 0.0;
+    if (begin + end <= lines[i].length - kNoFoldLengthMm || !told.isNew(contour, i)) continue;
+    const char* what = contour.curveOf(i) != nullptr
+                           ? "the curve is tighter than the radius on the beam's side, or ends in a corner "
+                             "there; a chord"
+                           : "the line";
+    faults.push_back(fmt::format("{}: {} is {:.4f} mm long, its joints take {:.4f} mm of it",
+                                 placeOf(contour, i), what, lines[i].length, begin + end));
+  }
+}
+
+/// Puts the offset lines and their joints together.
+SpacePath joined(const std::vector<Line>& lines, const std::vector<Corner>& corners, double radius_mm) {
+  SpacePath path;
+  const bool closed = corners.size() == lines.size();
+  path.points.push_back(closed ? corners.back().points.back()
+                               : SpacePoint{lines.front().a + radius_mm * lines.front().nu, lines.front().n});
+  for (const Corner& corner : corners) {
+    path.joints.push_back(corner.report);
+    path.joints.back().first_path_point = path.points.size();
+    path.joints.back().path_points = corner.points.size();
+    path.points.insert(path.points.end(), corner.points.begin(), corner.points.end());
+  }
+  if (!closed) path.points.push_back({lines.back().b + radius_mm * lines.back().nu, lines.back().n});
+  return path;
 }
 
 void throwIfAny(std::vector<std::string> faults) {
@@ -262,7 +331,15 @@ double distanceMm(const Vector3d& a0, const Vector3d& a1, const Vector3d& b0, co
   return least;
 }
 
-SpacePath offsetInSpace(const SpaceContour& contour, double radius_mm, const SpaceLimits& limits) {
+const SpaceCurve* SpaceContour::curveOf(std::size_t point) const {
+  for (const SpaceCurve& curve : curves) {
+    if (point >= curve.first_point && point < curve.first_point + curve.chords) return &curve;
+  }
+  return nullptr;
+}
+
+SpacePath offsetInSpace(const SpaceContour& contour, double radius_mm, const SpaceLimits& limits,
+                        JointLaw law) {
   if (!(radius_mm > 0.0) || !std::isfinite(radius_mm)) {
     throw CompensationError(fmt::format("the spot's radius must be > 0, but is {:g} mm", radius_mm));
   }
@@ -275,32 +352,15 @@ SpacePath offsetInSpace(const SpaceContour& contour, double radius_mm, const Spa
   const bool closed = n > 2 && (lines.front().a - lines.back().b).norm() < kNoFoldLengthMm;
   std::vector<Corner> corners;
   for (std::size_t i = 0; i + 1 < n + (closed ? 1 : 0); ++i) {
-    corners.push_back(cornerAt(contour, {i + 1, lines[i], lines[(i + 1) % n]}, radius_mm, limits, faults));
+    const MeetingLines meeting{i + 1, lines[i], lines[(i + 1) % n], radius_mm, law};
+    corners.push_back(cornerAt(contour, meeting, limits, faults));
   }
   throwIfAny(faults);
-
-  for (std::size_t i = 0; i < n; ++i) {
-    const double begin = i > 0 ? corners[i - 1].cut_second_mm : (closed ? corners.back().cut_second_mm : 0.0);
-    const double end = i < corners.size() ? corners[i].cut_first_mm : 0.0;
-    if (begin + end > lines[i].length - kNoFoldLengthMm) {
-      faults.push_back(fmt::format("{}: the line is {:.4f} mm long, its joints take {:.4f} mm of it",
-                                   placeOf(contour, i), lines[i].length, begin + end));
-    }
-  }
+  checkLengths(contour, lines, corners, faults);
   throwIfAny(faults);
 
-  SpacePath path;
-  if (!closed) path.points.push_back({lines.front().a + radius_mm * lines.front().nu, lines.front().n});
-  for (const Corner& corner : corners) {
-    path.points.insert(path.points.end(), corner.points.begin(), corner.points.end());
-    path.joints.push_back(corner.report);
-  }
-  if (closed) {
-    path.points.insert(path.points.begin(), path.points.back());
-  } else {
-    path.points.push_back({lines.back().b + radius_mm * lines.back().nu, lines.back().n});
-  }
-  checkClear(contour, lines, path, radius_mm, faults);
+  SpacePath path = joined(lines, corners, radius_mm);
+  checkClear(contour, lines, path, radius_mm, law == JointLaw::kPaper ? path.burns : faults);
   throwIfAny(faults);
   return path;
 }

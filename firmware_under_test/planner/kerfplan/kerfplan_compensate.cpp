@@ -6,10 +6,12 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "firmware_under_test/planner/compensation/proof.h"
+#include "firmware_under_test/planner/compensation/space_check.h"
 #include "firmware_under_test/planner/compensation/space_file.h"
 #include "firmware_under_test/planner/compensation/svg_sheet.h"
 #include "firmware_under_test/planner/kerfplan/input_text.h"
@@ -25,6 +27,8 @@ struct CompensateCommand::Options {
   JobParameters job;
   Side side{Side::kLeft};
   SpaceLimits limits;
+  JointLaw joints{JointLaw::kOurs};
+  double chord_error_mm{kChordErrorMm};
 };
 
 namespace {
@@ -44,6 +48,8 @@ std::string extensionOf(const std::string& path) {
 }
 
 constexpr double kDegrees = 57.295779513082323;
+/// Share of the radius from which a joint's fault is told.
+constexpr double kShows = 1e-4;
 
 std::string jointSentence(const SpaceJointReport& joint, const SpaceContour& contour) {
   const std::string where = joint.point < contour.file_lines.size()
@@ -54,6 +60,40 @@ std::string jointSentence(const SpaceJointReport& joint, const SpaceContour& con
                      nameOf(joint.joint), joint.number > 0 ? fmt::format(" (case {})", joint.number) : "",
                      joint.corner.alpha_rad * kDegrees, joint.corner.beta_rad * kDegrees,
                      joint.corner.omega_rad * kDegrees, joint.drawn_back ? ", drawn back" : "");
+}
+
+/// Sentence on what a joint of the paper's text does that it should not; empty if there is nothing.
+std::string literalSentence(const SpaceCheck& check, double radius_mm) {
+  std::string text;
+  if (check.nearest_mm < radius_mm * (1.0 - kShows)) {
+    text += fmt::format("  burns: it comes as near as {:.4f} mm to the contour, {:.2f} of the radius\n",
+                        check.nearest_mm, check.nearest_mm / radius_mm);
+  }
+  if (check.missed_mm > radius_mm * kShows) {
+    text += fmt::format("  departs: free places of the strict offset lie up to {:.4f} mm beside it\n",
+                        check.missed_mm);
+  }
+  return text;
+}
+
+/// Sentences on the curves and joints of a path; joints between the chords of one curve are only counted.
+std::string spaceSummary(const SpaceContour& contour, const SpacePath& path, JointLaw law, double radius_mm) {
+  std::string text;
+  for (const SpaceCurve& curve : contour.curves) {
+    text += fmt::format("line {}: a curve of {} chord{}, no more than {:.4f} mm off it\n", curve.file_line,
+                        curve.chords, curve.chords == 1 ? "" : "s", curve.error_mm);
+  }
+  for (const SpaceJointReport& joint : path.joints) {
+    const SpaceCurve* curve = contour.curveOf(joint.point);
+    const bool inside = curve != nullptr && joint.point > curve->first_point;
+    std::string literal;
+    if (law == JointLaw::kPaper && joint.joint != SpaceJoint::kPlanar) {
+      literal = literalSentence(checkJoint(contour, path, joint, radius_mm), radius_mm);
+    }
+    if (!inside || !literal.empty()) text += jointSentence(joint, contour) + literal;
+  }
+  for (const std::string& burn : path.burns) text += burn + "\n";
+  return text;
 }
 
 std::string planeSummary(const Compensated& done) {
@@ -78,8 +118,8 @@ std::string planeSummary(const Compensated& done) {
 
 /// Refuses options that the kind of file makes no use of.
 void refuseIdle(const CLI::App& command, bool in_space) {
-  const std::array<const char*, 2> of_drawings{"--open-cuts", "--allow-lost"};
-  const std::array<const char*, 2> of_space{"--side", "--pierced"};
+  const std::vector<const char*> of_drawings{"--open-cuts", "--allow-lost"};
+  const std::vector<const char*> of_space{"--side", "--pierced", "--joints", "--chord-error"};
   std::string faults;
   for (const char* option : in_space ? of_drawings : of_space) {
     if (command.count(option) == 0) continue;
@@ -120,7 +160,8 @@ CompensateCommand::CompensateCommand(CLI::App& app) : options_(std::make_shared<
                             "Say how the beam runs beside a drawing at --kerf-radius, and draw it; or write "
                             "the path in X Y Z A C beside\n"
                             "a contour in space (.xyz: a point a line, x y z in mm and the axis i j k of the "
-                            "line that begins there)");
+                            "line that begins there;\nbetween two points also via, centre or bezier, and "
+                            "rows of spline)");
   sub_->add_option("FILE", options_->input, "A .dxf or .svg drawing, or a contour in space (.xyz)")
       ->required();
   sub_->add_option(
@@ -133,6 +174,19 @@ CompensateCommand::CompensateCommand(CLI::App& app) : options_(std::make_shared<
   sub_->add_option("--side", options_->side, "Side of the beam, seen from the head (.xyz)")
       ->transform(CLI::CheckedTransformer(sides, CLI::ignore_case))
       ->default_str("left")
+      ->group("In space");
+  const std::map<std::string, JointLaw> laws{{"ours", JointLaw::kOurs}, {"paper", JointLaw::kPaper}};
+  sub_->add_option(
+          "--joints", options_->joints,
+          "Joints over folds: ours, never nearer than the radius, or the paper's four as its text has "
+          "them; where these\nburn or depart is told (.xyz)")
+      ->transform(CLI::CheckedTransformer(laws, CLI::ignore_case))
+      ->default_str("ours")
+      ->group("In space");
+  sub_->add_option("--chord-error", options_->chord_error_mm,
+                   "Farthest that arcs and curves may lie from the chords that they become, mm (.xyz)")
+      ->check(CLI::Range(1e-4, 1.0))
+      ->capture_default_str()
       ->group("In space");
   sub_->add_option(
           "--pierced", options_->limits.pierced_deg,
@@ -150,10 +204,10 @@ bool CompensateCommand::run() const {
   refuseIdle(*sub_, in_space);
   if (in_space) {
     try {
-      SpaceContour contour = readSpaceContour(inputText(o.input), o.input);
+      SpaceContour contour = readSpaceContour(inputText(o.input), o.input, o.chord_error_mm);
       contour.side = o.side;
-      const SpacePath path = offsetInSpace(contour, o.job.kerf_radius_mm, o.limits);
-      for (const SpaceJointReport& joint : path.joints) std::cerr << jointSentence(joint, contour);
+      const SpacePath path = offsetInSpace(contour, o.job.kerf_radius_mm, o.limits, o.joints);
+      std::cerr << spaceSummary(contour, path, o.joints, o.job.kerf_radius_mm);
       write(o.output, writePoses(posesOf(path.points)));
     } catch (const CompensationError& error) {
       throw PlanError(o.input + ":\n" + error.what());
