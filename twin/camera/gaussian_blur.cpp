@@ -56,7 +56,7 @@ struct BlurredBlock {
 
 /// Blocks that are drawn, or have a neighbour that is.
 std::vector<BlurredBlock> blocksToBlur(const std::vector<int>& edges_x, const std::vector<int>& edges_y,
-                                const std::vector<char>& drawn) {
+                                       const std::vector<char>& drawn) {
   const auto columns = static_cast<int>(edges_x.size()) - 1;
   const auto rows = static_cast<int>(edges_y.size()) - 1;
   const auto drawnNear = [&](int bx, int by) {
@@ -103,7 +103,8 @@ void GaussianBlur::apply(std::vector<float>& light, int width, int height, const
                          const std::vector<int>& edges_y, const std::vector<char>& drawn) const {
   if (taps_.size() < 2) return;
   const std::vector<BlurredBlock> work = blocksToBlur(edges_x, edges_y, drawn);
-  if (std::ranges::any_of(work, [](const BlurredBlock& b) { return b.x1 - b.x0 > static_cast<int>(kWidest); }))
+  if (std::ranges::any_of(work,
+                          [](const BlurredBlock& b) { return b.x1 - b.x0 > static_cast<int>(kWidest); }))
     throw std::invalid_argument("GaussianBlur: a block is too wide");
   const auto index = [width](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);

@@ -153,8 +153,8 @@ class JobChecker {
     notNegative(job_.jump_acceleration_mm_s2, Parameter::kJumpAcceleration);
     check(job_.corner_error_mm == 0.0 ||
               (job_.corner_error_mm >= kLeastCornerMm && job_.corner_error_mm <= 1.0),
-          fmt::format("{} must be 0, or {:g} … 1, but is {:g}", named(Parameter::kCornerError), kLeastCornerMm,
-                      job_.corner_error_mm));
+          fmt::format("{} must be 0, or {:g} … 1, but is {:g}", named(Parameter::kCornerError),
+                      kLeastCornerMm, job_.corner_error_mm));
     check(job_.jump_radius_mm == kRadiusOfDrawing ||
               (std::isfinite(job_.jump_radius_mm) && job_.jump_radius_mm >= 0.0),
           fmt::format("{} must be >= 0, or {:g} for that of the drawing, but is {:g}",

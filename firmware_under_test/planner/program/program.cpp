@@ -346,7 +346,8 @@ struct WebMotion {
   WebMotion(const Solution& solution, const JobParameters& job, const PlannerFaults& faults)
       : v_mm_s(solution.belt_speed_mm_s),
         moving(v_mm_s > 0.0),
-        follows(moving && !job.feed_by_controller && !job.belt_by_clock && !faults.ignore_belt && !faults.mean_speed),
+        follows(moving && !job.feed_by_controller && !job.belt_by_clock && !faults.ignore_belt &&
+                !faults.mean_speed),
         seen_mm_s(faults.ignore_belt ? 0.0 : v_mm_s) {}
   double v_mm_s;
   bool moving;
