@@ -51,7 +51,8 @@ function checkMotion(name, args) {
     const now = motion.at(i * job.period_s), move = by_line.get(now.line);
     assert.ok(move, `${name}: period ${i} belongs to line ${now.line}, which is no move`);
     assert.strictEqual(now.on, move.g > 0 && move.z > 0 && now.speed_mm_s > 0, `${name}: laser in period ${i}`);
-    if (move.g > 0) assert.ok(distance(move, [now.x, now.y]) < 2e-3, `${name}: period ${i} is off line ${now.line}`);
+    // At corners by no more than --corner-error, and the page's rounding.
+    if (move.g > 0) assert.ok(distance(move, [now.x, now.y]) < 5e-3 + 1e-4, `${name}: period ${i} is off line ${now.line}`);
     assert.ok(now.power_w <= job.full_power_w + 1e-9 && now.speed_mm_s < 1000);
   }
   // Every line that cuts has its turn, in order, and nothing is cut that is not in the G-code.
@@ -69,6 +70,8 @@ function checkMotion(name, args) {
     for (let i = 1; i < motion.n; ++i) {
       const now = motion.at(i * job.period_s);
       if (!now.on || by_line.get(now.line).z !== z || by_line.get(now.line).g > 1) continue;
+      // Round a corner the chord that gives the speed is shorter than the way that gets the power.
+      if (motion.at((i - 1) * job.period_s).line !== now.line) continue;
       worst = Math.max(worst, Math.abs(now.power_w - Math.min(0.3 * z * now.speed_mm_s, job.full_power_w)));
     }
     assert.ok(worst < 0.02 * job.full_power_w + 0.5, `${name}: power of Z${z} is off by ${worst} W`);
