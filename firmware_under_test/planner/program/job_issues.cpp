@@ -175,9 +175,12 @@ class JobChecker {
     positive(machine_.power_quantum_j, Parameter::kPowerQuantum, 1e3, 1e-6);
     // The controller looks back over a limited number of ticks, the gate's delay and its own tick among them.
     const double longest_s = (KB_POWER_DELAY_MAX - 2) * machine_.target.tick_s;
-    check(machine_.power_delay_s >= 0.0 && machine_.power_delay_s + machine_.tracking_delay_s <= longest_s,
-          fmt::format("{}, {:g}, and {} must be in 0 … {:g} together", named(Parameter::kPowerDelay),
-                      shown(Parameter::kPowerDelay, machine_.power_delay_s), named(Parameter::kTrackingDelay),
+    // The gate waits for what the mirrors lag more than the laser does.
+    const double lag_s = std::max(machine_.tracking_delay_s, machine_.laser_lag_s);
+    check(machine_.power_delay_s >= 0.0 && machine_.power_delay_s + lag_s <= longest_s,
+          fmt::format("{}, {:g}, and the longer of {} and {} must be in 0 … {:g} together",
+                      named(Parameter::kPowerDelay), shown(Parameter::kPowerDelay, machine_.power_delay_s),
+                      named(Parameter::kTrackingDelay), named(Parameter::kLaserLag),
                       shown(Parameter::kPowerDelay, longest_s)));
     // The controller counts to 255, and also for a tube with half as much power again.
     const double full_w = job_.power == nullptr ? 0.0 : job_.power->laser().power.greatest().y;

@@ -6,32 +6,26 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "firmware_under_test/controller/protocol.h"
-#include "firmware_under_test/planner/power/loop.h"
+#include "firmware_under_test/planner/program/payload.h"
+#include "firmware_under_test/planner/program/power_payload.h"
 
 namespace kerfbench::planner {
 namespace {
 
 using Eigen::Vector2d;
-using Op = std::vector<std::uint8_t>;
+using Op = Payload;
 
 /// Share of change above which the gain is sent anew.
 constexpr double kGainShare = 0.002;
 
-/// Most that the gain's byte holds, of 256: the paper's 1.
-constexpr std::uint64_t kMostGain = 255;
 /// Periods for which the spot stays that are many: their mean is what the sheet gets.
 constexpr double kManyPeriods = 8.0;
-
-void append(Op& op, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) op.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-}
 
 /// Writes periods and keeps the positions of the axes.
 class Writer {
@@ -249,33 +243,6 @@ UnitPath withConstantPower(UnitPath path, double mark_speed_mm_s, double period_
     }
   }
   return path;
-}
-
-/// Payload of KB_POWER. A measurement belongs to
-/// the power that was commanded the delay of the gate, the laser's own lag and the meter's delay before.
-std::vector<std::uint8_t> powerLoopPayload(const MachineParameters& machine, const JobParameters& job,
-                                           unsigned gate_delay_ticks) {
-  const Target& target = machine.target;
-  const PowerModel& model = *job.power;
-  const int ticks =
-      static_cast<int>(gate_delay_ticks) + 1 +
-      static_cast<int>(std::lround((machine.laser_lag_s + machine.power_delay_s) / target.tick_s));
-  // A period is prepared while another runs, from the measurement of the one before that.
-  const int late = 2 + static_cast<int>(std::ceil(static_cast<double>(ticks) / target.ticks_per_period));
-  const double gain = dampedGain(late);
-  Op payload;
-  const bool paper = job.power_law == JobParameters::PowerLaw::kPaper;
-  append(payload, paper ? kMostGain : static_cast<std::uint64_t>(std::lround(256.0 * gain)), 1);
-  append(payload, model.byteFor(0.0), 1);
-  append(payload, model.byteFor(model.laser().full_control), 1);
-  append(payload, static_cast<std::uint64_t>(ticks), 2);
-  for (int i = 0; i < KB_POWER_POINTS; ++i) {
-    const auto byte = static_cast<std::uint8_t>(std::min(16 * i, 255));
-    // The laser's curve is unknown below its first point; the loop never goes there.
-    const double edges = model.powerOf(byte) * target.periodS() / (2.0 * machine.power_quantum_j);
-    append(payload, static_cast<std::uint64_t>(std::lround(16.0 * edges)), 2);
-  }
-  return payload;
 }
 
 struct Reach {

@@ -152,6 +152,9 @@ TEST(PowerOfAJob, TheLoopIsHeldAgainstTheControllerThatIsPlannedFor) {
   job.power_loop = true;
   machine.power_quantum_j = job.power->laser().power.greatest().y * 0.8e-3 / (2.0 * 60.0);
   EXPECT_THAT(jobIssues(machine, job), ::testing::IsEmpty());
+  machine.laser_lag_s = 9e-3;  // The AVR looks back over 352 ticks of 25 us.
+  EXPECT_THAT(jobIssues(machine, job), ::testing::ElementsAre(HasSubstr("in 0 … 8.75 together")));
+  machine.laser_lag_s = 0.0;
   machine.target.tick_s = 1e-6;
   machine.target.ticks_per_period = 128;
   machine.target.longest_delay_ticks = 65535;
