@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kerfplan: the host half of the reference controller as a program of its own.
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -24,13 +23,14 @@
 #include "firmware_under_test/planner/kerfplan/kerfplan_own_job.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_power.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_strip.h"
+#include "firmware_under_test/planner/kerfplan/kerfplan_summary.h"
+#include "firmware_under_test/planner/kerfplan/output_text.h"
 #include "firmware_under_test/planner/order/kerf.h"
 #include "firmware_under_test/planner/preview/preview.h"
 #include "firmware_under_test/planner/program/check.h"
 #include "firmware_under_test/planner/program/order_table.h"
 #include "firmware_under_test/planner/program/plan.h"
 #include "firmware_under_test/planner/program/program.h"
-#include "firmware_under_test/planner/program/room.h"
 #include "firmware_under_test/planner/program/selection.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
@@ -102,98 +102,15 @@ std::string gcodeOf(const Options& options) {
   return gcode;
 }
 
-void write(const Options& options, const std::string& text) {
-  if (options.output.empty() || options.output == "-") {
-    std::cout << text;
-    return;
-  }
-  std::ofstream file(options.output, std::ios::binary);
-  file << text;
-  if (!file.flush()) throw std::runtime_error(options.output + ": cannot be written");
-}
-
-/// Says which jumps are straight although arcs were wished, and why; empty if none were.
-std::string jumpsLine(const planner::JumpsTaken& jumps) {
-  using Why = planner::JumpsTaken::Why;
-  const std::size_t straight = jumps.straight.size();
-  const std::size_t count = straight + static_cast<std::size_t>(jumps.smooth);
-  if (count == 0) return {};
-  std::string text = fmt::format("  smooth jumps    {} of {}\n", jumps.smooth, count);
-  const std::pair<Why, const char*> reasons[] = {
-      {Why::kWaits, "the beam waits there for the sheet"},
-      {Why::kField, "arcs would leave the field"},
-      {Why::kSooner, "on the moving sheet arcs would take too long"},
-      {Why::kNoCurve, "no arcs join the marks"},
-      {Why::kNoRoom, "on the moving sheet no arcs fit"}};
-  for (const auto& [why, reason] : reasons) {
-    std::string names;
-    int of_these = 0;
-    constexpr int kMostNames = 12;
-    for (const planner::JumpsTaken::Straight& jump : jumps.straight) {
-      if (jump.why != why) continue;
-      if (++of_these > kMostNames) continue;
-      names += (names.empty() ? "" : ", ") +
-               (jump.entity >= 0 ? fmt::format("E{}", jump.entity) : fmt::format("line {}", jump.line));
-    }
-    if (of_these == 0) continue;
-    text += fmt::format("                  {} straight, with stops: {} (before {}{})\n", of_these, reason,
-                        names, of_these > kMostNames ? ", …" : "");
-  }
-  return text;
-}
-
-/// Room along the belt: at its speed, and at the lowest and highest that it may have.
-std::string roomText(const Options& options, const planner::CheckResult& checked,
-                     const std::vector<planner::Segment>& path) {
-  const JobParameters& job = options.job;
-  const MachineParameters& machine = options.machine;
-  std::string text;
-  const auto add = [&](const char* which, double v) {
-    const planner::RoomNeeded room =
-        planner::roomAt(*checked.solution, machine, job, planner::Axes(machine, {}), v);
-    text += fmt::format("  field along x   {:.3f} … {:.3f} mm of {:g} … {:g} mm{}\n", room.low_x_mm,
-                        room.high_x_mm, machine.field_min_mm[0], machine.field_max_mm[0], which);
-    if (room.least_pitch_mm > 0.0)
-      text += fmt::format("  pitch           {:.3f} mm at least{}{}\n", room.least_pitch_mm,
-                          job.units > 1 ? fmt::format(", {:g} mm given", job.pitch_mm) : "", which);
-    if (const auto closed = planner::closedFormRoom(path, machine, job, v))
-      text += fmt::format("  without ramps   pitch {:.1f} mm, travel {:.1f} mm (Hu, Hu, Jiang 2014){}\n",
-                          closed->least_pitch_mm, closed->travel_mm, which);
-  };
-  add("", planner::speedWhileCutting(job));
-  if (job.belt_min_mm_s > 0.0)
-    add(fmt::format(", belt at {:g} mm/s", job.belt_min_mm_s).c_str(), job.belt_min_mm_s);
-  if (job.belt_max_mm_s > 0.0)
-    add(fmt::format(", belt at {:g} mm/s", job.belt_max_mm_s).c_str(), job.belt_max_mm_s);
-  return text;
-}
-
-std::string summaryOf(const Options& options, const planner::CheckResult& checked,
-                      const planner::Plan& plan) {
-  std::size_t bytes = 0;
-  for (const auto& op : plan.program.ops) bytes += op.size();
-  std::string text = fmt::format(
-      "{}: fits\n"
-      "  belt            {:.2f} mm/s, at most {:.2f} mm/s\n"
-      "  unit            {:.4f} s, with the way back {:.4f} s\n"
-      "  marks / jumps   {:.3f} mm / {:.3f} mm\n"
-      "  start           unit 0's origin at x = {:.3f} mm\n"
-      "  program         {} operations, {} bytes\n"
-      "  controller      {}\n",
-      options.input, options.job.belt_speed_mm_s, plan.max_belt_speed_mm_s, plan.unit_time_s,
-      plan.cycle_time_s, plan.cut_length_mm, plan.jump_length_mm, plan.x_ref_mm, plan.program.ops.size(),
-      bytes, planner::describe(options.machine.target));
-  return text + jumpsLine(checked.solution->paths.front().jumps) +
-         roomText(options, checked, planner::unitOf(planner::readGcode(plan.gcode)));
-}
-
 /// Prints all errors to standard error, or the demands of the job.
 int check(const Options& options, const std::string& gcode) {
   const planner::CheckResult checked = planner::checkJob(gcode, options.machine, options.job);
   for (const std::string& warning : checked.warnings) std::cerr << "warning: " << warning << '\n';
   for (const std::string& error : checked.errors) std::cerr << error << '\n';
   if (!checked.errors.empty()) return kBadInput;
-  std::cout << summaryOf(options, checked, planner::planFromGcode(gcode, options.machine, options.job));
+  std::cout << planner::summaryOf(options.input, checked,
+                                  planner::planFromGcode(gcode, options.machine, options.job),
+                                  options.machine, options.job);
   return 0;
 }
 
@@ -364,7 +281,7 @@ void comparePowerLoops(const Options& options, const std::string& gcode) {
     }
   }
   if (!options.output.empty()) {
-    write(options, planner::loopPlot(wanted_w, loop));
+    planner::writeOutput(options.output, planner::loopPlot(wanted_w, loop));
     if (options.output == "-") return;
   }
   std::cout << planner::loopTable(wanted_w, loop);
@@ -387,7 +304,7 @@ int run(const Commands& commands, const planner::StripCommands& strip, Options& 
   }
   const std::string text = gcodeOf(options);
   if (commands.gcode->parsed()) {
-    write(options, text);
+    planner::writeOutput(options.output, text);
     return 0;
   }
   if (commands.power_loop->parsed()) {
@@ -396,15 +313,17 @@ int run(const Commands& commands, const planner::StripCommands& strip, Options& 
   }
   if (commands.preview->parsed()) {
     const std::string name = options.input.substr(options.input.find_last_of('/') + 1);
-    write(options, planner::previewHtml(name, text, options.machine, options.job));
+    planner::writeOutput(options.output, planner::previewHtml(name, text, options.machine, options.job));
     return 0;
   }
   if (!commands.program->parsed()) return check(options, text);
   if (options.own_job.target == planner::OwnJobOptions::Target::kMcs51) {
-    write(options, planner::ownJobSource(options.own_job, options.input, text, options.machine, options.job));
+    planner::writeOutput(options.output, planner::ownJobSource(options.own_job, options.input, text,
+                                                               options.machine, options.job));
     return 0;
   }
-  write(options, programText(planner::planFromGcode(text, options.machine, options.job).program));
+  planner::writeOutput(options.output,
+                       programText(planner::planFromGcode(text, options.machine, options.job).program));
   return 0;
 }
 

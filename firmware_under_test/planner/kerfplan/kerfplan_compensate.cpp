@@ -3,7 +3,6 @@
 
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "firmware_under_test/planner/compensation/space_file.h"
 #include "firmware_under_test/planner/compensation/svg_sheet.h"
 #include "firmware_under_test/planner/kerfplan/input_text.h"
+#include "firmware_under_test/planner/kerfplan/output_text.h"
 #include "firmware_under_test/planner/order/kerf.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
@@ -32,16 +32,6 @@ struct CompensateCommand::Options {
 };
 
 namespace {
-
-void write(const std::string& path, const std::string& text) {
-  if (path.empty() || path == "-") {
-    std::cout << text;
-    return;
-  }
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush()) throw PlanError(path + ": cannot be written");
-}
 
 std::string extensionOf(const std::string& path) {
   return CLI::detail::to_lower(std::filesystem::path(path).extension().string());
@@ -208,7 +198,7 @@ bool CompensateCommand::run() const {
       contour.side = o.side;
       const SpacePath path = offsetInSpace(contour, o.job.kerf_radius_mm, o.limits, o.joints);
       std::cerr << spaceSummary(contour, path, o.joints, o.job.kerf_radius_mm);
-      write(o.output, writePoses(posesOf(path.points)));
+      writeOutput(o.output, writePoses(posesOf(path.points)));
     } catch (const CompensationError& error) {
       throw PlanError(o.input + ":\n" + error.what());
     }
@@ -223,7 +213,7 @@ bool CompensateCommand::run() const {
   std::vector<std::vector<Segment>> paths;
   for (const Contour& contour : done.contours) contours.push_back(contour.segments);
   for (const BeamPath& path : done.offset.paths) paths.push_back(path.segments);
-  write(o.output, kerfPicture(contours, paths, o.job.kerf_radius_mm));
+  writeOutput(o.output, kerfPicture(contours, paths, o.job.kerf_radius_mm));
   return true;
 }
 
@@ -241,11 +231,11 @@ bool ProveCommand::run() const {
   const std::filesystem::path folder(*folder_);
   std::filesystem::create_directories(folder / "compensation");
   const Proof proof = prove({});
-  write((folder / "compensation.md").string(), proofPage(proof, "compensation"));
+  writeOutput((folder / "compensation.md").string(), proofPage(proof, "compensation"));
   for (const auto& pictures : {planePictures(), spacePictures()}) {
     for (const Picture& picture : pictures) {
-      write((folder / "compensation" / (picture.name + ".svg")).string(),
-            "<!-- SPDX-License-Identifier: Apache-2.0 -->\n" + picture.svg);
+      writeOutput((folder / "compensation" / (picture.name + ".svg")).string(),
+                  "<!-- SPDX-License-Identifier: Apache-2.0 -->\n" + picture.svg);
     }
   }
   if (!proof.holds())

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "firmware_under_test/planner/kerfplan/output_text.h"
 #include "firmware_under_test/planner/strip/strip_path.h"
 #include "firmware_under_test/planner/strip/strip_pictures.h"
 #include "firmware_under_test/planner/strip/throughput.h"
-#include "hil/base/atomic_file.h"
 
 namespace kerfbench::planner {
 
@@ -28,9 +28,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void write(const fs::path& path, const std::string& text) {
-  if (path.has_parent_path()) fs::create_directories(path.parent_path());
-  base::writeFileAtomically(path, text);
+/// Writes a chart into a folder, which is made if need be.
+void writeChart(const fs::path& folder, const char* name, const std::string& svg) {
+  fs::create_directories(folder);
+  writeOutput(folder / name, svg);
 }
 
 CrossCut crossCutOf(double width_mm, const MachineParameters& machine, const JobParameters& job) {
@@ -87,7 +88,7 @@ bool StripCommands::run() const {
   if (throughput_->parsed()) {
     std::cout << throughputTable(cut, machine_, job_);
     if (!pictures.empty())
-      write(pictures / "strip-time.svg", throughputPicture(throughputOf(cut, machine_, job_)));
+      writeChart(pictures, "strip-time.svg", throughputPicture(throughputOf(cut, machine_, job_)));
     return true;
   }
   if (!path_->parsed()) return false;
@@ -101,10 +102,10 @@ bool StripCommands::run() const {
   if (varies)
     std::cout << fmt::format("the head leaves the line that the strip carries by {:.3f} mm at most\n",
                              path.farthestOffMm());
-  if (!o.output.empty()) write(o.output, stripTable(path, o.every_s));
+  if (!o.output.empty()) writeOutput(o.output, stripTable(path, o.every_s));
   if (!pictures.empty()) {
-    write(pictures / "strip-way.svg", stripPathPicture(path));
-    write(pictures / "strip-length.svg", stripLengthPicture(path));
+    writeChart(pictures, "strip-way.svg", stripPathPicture(path));
+    writeChart(pictures, "strip-length.svg", stripLengthPicture(path));
   }
   return true;
 }
