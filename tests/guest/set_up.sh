@@ -42,9 +42,12 @@ download() {
   release=${image#linux-image-}
   series=$(echo "$release" | cut -d. -f1,2)
   version=$(candidate "$image")
+  # A security update reaches the signed image last: its headers ask for no older kbuild than theirs, and take a newer one. The
+  # source has to be the image's own where the archive still has it.
+  source=linux-source-$series
+  apt-cache $apt_options madison "$source" | grep -qF " $version " && source=$source=$version
   (cd "$work/debs" && apt-get $apt_options download "$image=$version" "linux-headers-$release=$version" \
-    "linux-headers-${release%-amd64}-common=$version" "linux-kbuild-$series=$version" "linux-source-$series=$version" \
-    v4l2loopback-dkms) >>"$work/log" 2>&1
+    "linux-headers-${release%-amd64}-common=$version" "linux-kbuild-$series" "$source" v4l2loopback-dkms) >>"$work/log" 2>&1
 }
 if ! download; then
   say "fetching package lists"
