@@ -26,13 +26,6 @@ namespace fs = std::filesystem;
 
 void say(const std::string& line) { std::fputs((line + "\n").c_str(), stdout); }
 
-bool isDrawing(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
-  return extension == ".dxf" || extension == ".svg";
-}
-
 // A scenario names a dieline; a machine does not. What it extends counts as well.
 bool isScenario(const fs::path& path) {
   const auto file = base::YamlReader::openFile(path);
@@ -72,7 +65,7 @@ void warnOfCameras(const fs::path& path, scenario::Case& test_case, const machin
 }
 
 int lintFile(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
-  if (isDrawing(path)) return lintDrawing(path, dieline::defaultLayerProfile(), options.quiet);
+  if (dieline::isDrawing(path)) return lintDrawing(path, dieline::defaultLayerProfile(), options.quiet);
   const auto file_keys = base::YamlReader::openFile(path);
   if (file_keys.has("camera_id")) {
     (void)calibrate::readCalibrationFile(path);

@@ -30,22 +30,26 @@ void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& act
   auto holder = std::make_shared<ShowOptions>();
   ShowOptions& options = *holder;
   options.bin_dir = program.bin_dir;
-  CLI::App* show = app.add_subcommand("show", "Draw a machine (PNG): at rest, or in the middle of a run");
-  show->add_option("MACHINE", options.machine, "Machine file; may be left out where --scenario names it");
+  CLI::App* show = app.add_subcommand("show",
+                                      "Draw a machine at rest or in the middle of a run (PNG), or what a "
+                                      "drawing has the laser do and what lint finds in it (SVG or PNG)");
+  show->add_option("SUBJECT", options.subject,
+                   "Machine file, which may be left out where --scenario names it; or a drawing");
   CLI::Option* scenario =
       show->add_option("--scenario", options.scenario, "Run this, and draw the machine as it is then");
   show->add_option("--at", options.at_s,
                    "Virtual seconds, one or several; otherwise in the middle of the longest cut")
       ->needs(scenario)
       ->check(CLI::NonNegativeNumber);
-  show->add_option("--out", options.out, "PNG file; several times are added to its name");
+  show->add_option("--out", options.out,
+                   "PNG file, for a drawing .svg or .png; several times are added to its name");
   show->add_option_function<std::string>(
           "--size",
           [&options](const std::string& text) {
             const std::string fault = readSize(text, options);
             if (!fault.empty()) throw CLI::ValidationError("--size", fault);
           },
-          "Pixels, 1280x800 unless told")
+          "Pixels, 1280x800 unless told; a drawing's picture has the width alone")
       ->type_name("WxH");
   show->add_option("--view", options.view,
                    "overall, head (mirrors or carriage) or sheet (the board from above)")

@@ -12,7 +12,11 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/text.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/dieline/geometry.h"
+#include "hil/dieline/read.h"
+#include "hil/drawing/drawing_picture.h"
 #include "hil/judge/machine_pictures.h"
 #include "hil/machine_file/machine_check.h"
 #include "hil/run/dialogs.h"
@@ -57,7 +61,7 @@ twin::Scene atRest(const twin::MachineDescription& machine) {
 }
 
 int showAtRest(const ShowOptions& options) {
-  const machine_file::MachineFile file = machine_file::readMachineFile(options.machine);
+  const machine_file::MachineFile file = machine_file::readMachineFile(options.subject);
   machine_file::refuseUnfit(file);
   const twin::MachineDescription& machine = file.machine;
   scene::PictureOptions picture = pictureOptions(options);
@@ -100,10 +104,10 @@ run::MachineFilm filmed(const scenario::Case& test_case, const twin::SampledMach
 
 int showScenario(const ShowOptions& options) {
   scenario::Case test_case = scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
-  if (!options.machine.empty() &&
-      fs::weakly_canonical(options.machine) != fs::weakly_canonical(test_case.scenario.machine)) {
+  if (!options.subject.empty() &&
+      fs::weakly_canonical(options.subject) != fs::weakly_canonical(test_case.scenario.machine)) {
     complain(fmt::format("show: {} runs on {}, not on {}", options.scenario.string(),
-                         test_case.scenario.machine.string(), options.machine.string()));
+                         test_case.scenario.machine.string(), options.subject.string()));
     return base::kExitUsage;
   }
   const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
@@ -123,13 +127,55 @@ int showScenario(const ShowOptions& options) {
   return 0;
 }
 
+int drawDrawing(const ShowOptions& options) {
+  const fs::path out = options.out.empty() ? options.subject.stem().replace_extension(".svg") : options.out;
+  const std::string kind = base::lowered(out.extension().string());
+  if (kind != ".svg" && kind != ".png") {
+    complain(fmt::format("show: a drawing is shown as .svg or .png, not as {}", out.string()));
+    return base::kExitUsage;
+  }
+  const dieline::Dieline dieline = dieline::readDieline(options.subject, dieline::defaultLayerProfile());
+  if (dieline.entities.empty()) {
+    complain(fmt::format("show: {} has no line to show", options.subject.string()));
+    return base::kExitInput;
+  }
+  const drawing::PictureContent content{.title = options.subject.filename().string(),
+                                        .findings = dieline::lintDieline(dieline),
+                                        .notes = {},
+                                        .width_px = options.width_px};
+  if (kind == ".svg") {
+    base::writeFileAtomically(out, drawing::svgOf(dieline, content));
+  } else {
+    const auto png = drawing::pngOf(dieline, content);
+    base::writeFileAtomically(out, {reinterpret_cast<const char*>(png.data()), png.size()});
+  }
+  std::fputs((out.string() + "\n").c_str(), stdout);
+  return 0;
+}
+
+int showDrawing(const ShowOptions& options) {
+  if (!options.scenario.empty()) {
+    complain("show: name a drawing, or --scenario with a machine, but not both");
+    return base::kExitUsage;
+  }
+  try {
+    return drawDrawing(options);
+  } catch (const dieline::DielineError& e) {
+    complain(e.what());
+  } catch (const std::invalid_argument& e) {
+    complain(fmt::format("show: {}: {}", options.subject.string(), e.what()));
+  }
+  return base::kExitInput;
+}
+
 }  // namespace
 
 int showCommand(const ShowOptions& options) {
-  if (options.machine.empty() && options.scenario.empty()) {
-    complain("show: name a machine, or --scenario (show --help)");
+  if (options.subject.empty() && options.scenario.empty()) {
+    complain("show: name a machine or a drawing, or --scenario (show --help)");
     return base::kExitUsage;
   }
+  if (dieline::isDrawing(options.subject)) return showDrawing(options);
   if (!std::ranges::all_of(options.at_s, [](double time_s) { return std::isfinite(time_s); })) {
     complain("show: --at takes seconds");
     return base::kExitUsage;

@@ -19,13 +19,6 @@ constexpr double kWidth = 560.0, kHeight = 320.0;                            // 
 constexpr double kLeft = 72.0, kTop = 34.0, kRight = 190.0, kBottom = 48.0;  // Borders around the frame, px.
 constexpr const char* kColours[] = {"#1f5fa8", "#c0392b", "#2d8a4e", "#8a5a00"};
 
-/// 1, 2 or 5 times a power of ten, so that `range` has four to ten of them.
-double roundStep(double range) {
-  const double power = std::pow(10.0, std::floor(std::log10(range / 4.0)));
-  const double rest = range / 4.0 / power;
-  return power * (rest >= 5.0 ? 5.0 : rest >= 2.0 ? 2.0 : 1.0);
-}
-
 /// Scales of a chart: from values to px.
 class Scales {
  public:
@@ -114,6 +107,12 @@ std::string curveOf(const Scales& scales, const ChartCurve& curve, const char* c
 }
 
 }  // namespace
+
+double roundStep(double range) {
+  const double power = std::pow(10.0, std::floor(std::log10(range / 4.0)));
+  const double rest = range / 4.0 / power;
+  return power * (rest >= 5.0 ? 5.0 : rest >= 2.0 ? 2.0 : 1.0);
+}
 
 std::string svgOf(const Chart& chart) {
   const Scales scales(chart);

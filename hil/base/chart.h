@@ -27,4 +27,7 @@ struct Chart {
 /// @throws std::invalid_argument without points, or with values that the scales do not hold.
 std::string svgOf(const Chart& chart);
 
+/// 1, 2 or 5 times a power of ten, so that a range > 0 has four to ten of them.
+double roundStep(double range);
+
 }  // namespace kerfbench::base

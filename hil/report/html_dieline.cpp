@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <map>
 #include <set>
@@ -11,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "hil/dieline/geometry.h"
+#include "hil/dieline/read.h"
+#include "hil/drawing/drawing_picture.h"
 #include "hil/inspect/evidence/places.h"
 #include "hil/report/html_text.h"
 #include "twin/base/image.h"
@@ -240,6 +243,21 @@ std::string worstPlaces(const RunReport& report) {
              "Dashed: "
              "±{:.3f} mm.</p>",
              report.limits.path_mm);
+}
+
+std::string drawingFigure(const RunReport& report) {
+  const dieline::Dieline& dieline = *report.dieline;
+  if (dieline.entities.empty()) return {};
+  const drawing::PictureContent content{.title = std::filesystem::path(dieline.path).filename().string(),
+                                        .findings = dieline::lintDieline(dieline),
+                                        .notes = {},
+                                        .width_px = 1000};
+  std::string svg = drawing::svgOf(dieline, content);
+  // A file of its own has to name the format; within a page nothing may lead outside.
+  constexpr std::string_view kFormat = " xmlns='http://www.w3.org/2000/svg'";
+  svg.erase(svg.find(kFormat), kFormat.size());
+  return fmt::format("<details><summary>{}</summary><figure>{}</figure></details>",
+                     "Processes, size, pieces and holes, and what lint finds", svg);
 }
 
 }  // namespace kerfbench::report

@@ -247,6 +247,7 @@ std::string htmlReport(const RunReport& report, const Digests& digests) {
   page += htmlSection("Pulse timing", pulseFigures(report));
   if (!result.entities.empty()) page += htmlSection("Entities", entityTable(report));
   page += htmlSection("What the measurement is worth", uncertaintySection(report));
+  page += htmlSection("The drawing", drawingFigure(report));
   page += htmlSection("Pictures of the machine", shownPictures(report));
   std::string pictures;
   for (const ReportPicture& picture : report.pictures) {

@@ -52,6 +52,8 @@ std::string limitLegend(double limit_mm);
 // Figures; empty where there is nothing to show.
 std::string gaugeSvg(const inspect::Check& check);
 std::string dielineFigures(const RunReport& report);
+/// What the drawing has the laser do, and what lint finds in it.
+std::string drawingFigure(const RunReport& report);
 std::string worstPlaces(const RunReport& report);
 std::string stillnessFigures(const RunReport& report);
 std::string pulseFigures(const RunReport& report);

@@ -6,20 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/chart.h"
 #include "hil/report/html_text.h"
 
 namespace kerfbench::report {
-namespace {
-
-/// 1, 2 or 5 times a power of ten, so that `range` has four to ten of them.
-double tickOf(double range) {
-  const double power = std::pow(10.0, std::floor(std::log10(range / 4.0)));
-  const double rest = range / 4.0 / power;
-  return power * (rest >= 5.0 ? 5.0 : rest >= 2.0 ? 2.0 : 1.0);
-}
-
-}  // namespace
-
 Plot::Plot(double x0, double x1, double y0, double y1, const std::string& label)
     : x0_(x0), x1_(x1), y0_(y0), y1_(y1) {
   svg_ = fmt::format(
@@ -64,7 +54,7 @@ std::string Plot::figure(const std::string& caption) const {
 }
 
 std::vector<double> ticks(double from, double to) {
-  const double step = tickOf(to - from);
+  const double step = base::roundStep(to - from);
   std::vector<double> at;
   const auto first = static_cast<int>(std::ceil(from / step - 1e-9));
   const auto last = static_cast<int>(std::floor(to / step + 1e-9));
