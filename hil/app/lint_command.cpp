@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -11,6 +10,7 @@
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/files/calibration_file.h"
 #include "hil/calibrate/files/target_file.h"
+#include "hil/dieline/file_format.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 #include "hil/judge/run_options.h"
@@ -44,6 +44,7 @@ int lintDrawing(const fs::path& path, const dieline::LayerProfile& layers, bool 
                     finding.layer.empty() ? "-" : finding.layer, finding.message));
   }
   if (!quiet) {
+    for (const std::string& note : dieline.notes) say(fmt::format("{}: note: {}", path.string(), note));
     const auto box = dieline.bounds();
     if (!box.isEmpty()) {
       say(fmt::format("{}: {} entities, {:.2f} x {:.2f} mm", path.string(), dieline.entities.size(),
@@ -65,7 +66,7 @@ void warnOfCameras(const fs::path& path, scenario::Case& test_case, const machin
 }
 
 int lintFile(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
-  if (dieline::isDrawing(path)) return lintDrawing(path, dieline::defaultLayerProfile(), options.quiet);
+  if (dieline::fileFormatOf(path)) return lintDrawing(path, dieline::defaultLayerProfile(), options.quiet);
   const auto file_keys = base::YamlReader::openFile(path);
   if (file_keys.has("camera_id")) {
     (void)calibrate::readCalibrationFile(path);

@@ -89,6 +89,7 @@ inline Process drawnFor(const Entity& entity) { return entity.left_out.value_or(
 struct Dieline {
   std::string path;
   std::vector<Entity> entities;
+  std::vector<std::string> notes;  ///< What the reader left out or says of the file; whole sentences.
 
   /// Box around all entities that are not kIgnore; exact to 1e-6 mm. Empty box if there is none.
   [[nodiscard]] Eigen::AlignedBox2d bounds() const;

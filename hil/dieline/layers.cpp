@@ -30,6 +30,18 @@ LayerProfile defaultLayerProfile() {
   set(Process::kPerforation, {"perf", "perforation", "perforate", "#00ffff"});
   set(Process::kIgnore, {"ignore", "dimension", "dimensions", "dims", "text", "notes", "annotation", "print",
                          "artwork", "defpoints"});
+  // Types of lines of CF2, of which sources agree or nearly so (docs/reference/formats.md).
+  set(Process::kCut, {"CF2 type 1"});
+  set(Process::kCrease, {"CF2 type 2"});
+  set(Process::kPerforation, {"CF2 type 3"});
+  set(Process::kHalfCut, {"CF2 type 4"});
+  set(Process::kIgnore, {"CF2 type 40", "CF2 type 43", "CF2 type 44", "CF2 type 46"});
+  // Spot colours of PDF, as the makers of cutters ask for them.
+  set(Process::kCut, {"CutContour", "Cut Contour", "Thru-Cut", "ThruCut", "Thru Cut", "Die Line", "Stanze",
+                      "Knife"});
+  set(Process::kHalfCut, {"Kiss Cut", "PartialCut", "Partial Cut"});
+  set(Process::kCrease, {"Creaseline", "Crease Line", "CreaseContour"});
+  set(Process::kPerforation, {"PerfCutContour", "Perforating"});
   return profile;
 }
 

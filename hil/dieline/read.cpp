@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "hil/dieline/curve_math.h"
+#include "hil/dieline/file_format.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/readers.h"
 #include "hil/dieline/text.h"
@@ -56,8 +57,11 @@ Dieline readDieline(const std::filesystem::path& path, const LayerProfile& profi
     dieline = readDxf(contentsOf(path, faults), profile, faults);
   } else if (extension == ".svg") {
     dieline = readSvg(contentsOf(path, faults), profile, faults);
+  } else if (const auto format = fileFormatOf(path)) {
+    dieline = (*format == FileFormat::kCf2 ? readCf2 : readPdf)(contentsOf(path, faults), profile, faults);
   } else {
-    faults.fatal(0, fmt::format("extension {} is not supported; .dxf and .svg are", inQuotes(extension)));
+    faults.fatal(0, fmt::format("extension {} is not supported; .dxf, .svg, .pdf and .cf2 are",
+                                inQuotes(extension)));
   }
   checkRange(dieline, faults);
   faults.throwIfAny();

@@ -17,5 +17,7 @@ inline constexpr std::size_t kLargestFile = 256U << 20U;  ///< Most bytes of a f
 /// Reads the whole text of a file and numbers its entities. @throws DielineError
 Dieline readDxf(std::string text, const LayerProfile& profile, FaultList& faults);
 Dieline readSvg(const std::string& text, const LayerProfile& profile, FaultList& faults);
+Dieline readCf2(const std::string& text, const LayerProfile& profile, FaultList& faults);
+Dieline readPdf(const std::string& bytes, const LayerProfile& profile, FaultList& faults);
 
 }  // namespace kerfbench::dieline

@@ -193,6 +193,7 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
       {"the kernel's GPIO interface", "^linux/gpio\\.h$", {"hil/source/gpio"}},
       {"the kernel's terminals", "^asm/termbits\\.h$", {"hil/source/serial"}},
       {"yaml-cpp", "^yaml-cpp/.*", {"hil/base"}},
+      {"QPDF", "^qpdf/.*", {"hil/dieline"}},
       {"pugixml", "^pugixml.*", {"hil/dieline", "hil/report"}},
       {"OpenSSL", "^openssl/.*", {"hil/base"}},
       {"V4L2", "^linux/(videodev2|v4l2-.*)\\.h$", {"hil/camera/v4l2"}},

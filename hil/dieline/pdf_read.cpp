@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "hil/dieline/ignored_layers.h"
+#include "hil/dieline/pdf_content.h"
+#include "hil/dieline/pdf_layers.h"
+#include "hil/dieline/readers.h"
+#include "hil/dieline/text.h"
+
+namespace kerfbench::dieline {
+namespace {
+
+/// Strokes become entities.
+class PdfDrawing : public PdfSink {
+ public:
+  PdfDrawing(const PdfDocument& document, const LayerProfile& profile, FaultList& faults)
+      : document_(document), profile_(profile), faults_(faults) {}
+
+  Dieline read() {
+    dieline_.path = faults_.path();
+    dieline_.entities.reserve(countPdfStrokes(document_, faults_));
+    const PdfIgnored ignored = drawPdf(document_, faults_, *this);
+    for (const std::string& layer : mixed_) {
+      faults_.add(0, fmt::format("{} has solid and dashed strokes, and one rule for both; give the dashed ones "
+                                 "a rule of their own, {}",
+                                 inQuotes(layer), inQuotes(layer + " dashed")));
+    }
+    faults_.throwIfAny();
+    note(ignored);
+    return std::move(dieline_);
+  }
+
+  void take(const PdfStroke& stroke) override {
+    if (pdfColourNames(stroke.paint).empty()) {
+      ++without_ink_;
+      return;
+    }
+    const PdfLayer& layer = layerOf(stroke.paint);
+    if (!layer.process) {
+      faults_.add(0, fmt::format("path {} {}", stroke.number, layer.fault));
+      return;
+    }
+    if (layer.is_dash_blind && *layer.process != Process::kIgnore) {
+      (stroke.paint.is_dashed ? dashed_ : solid_).insert(layer.name);
+      if (solid_.contains(layer.name) && dashed_.contains(layer.name)) mixed_.insert(layer.name);
+    }
+    for (const Curve& curve : stroke.curves) {
+      dieline_.entities.push_back({static_cast<int>(dieline_.entities.size()), curve, *layer.process, layer.name,
+                                   fmt::format("path {}", stroke.number), {}});
+    }
+  }
+
+  void takeHidden(const PdfPaint& paint) override {
+    std::string name;
+    for (const std::size_t index : paint.groups) {
+      const PdfGroup& group = document_.groups[index];
+      if (!group.is_visible || name.empty()) name = group.name;
+      const std::string step = pdfStepName(group);
+      if (group.is_visible || step.empty()) continue;
+      const auto process = hasRule(profile_, step) ? processFor(profile_, step) : pdfStepProcess(group);
+      if (process == Process::kIgnore) continue;
+      faults_.add(0, fmt::format("layer {} is hidden, and a processing step ({}); show it, or give {} the rule "
+                                 "ignore",
+                                 inQuotes(group.name), step, inQuotes(step)));
+    }
+    ++hidden_[name];
+  }
+
+ private:
+  const PdfLayer& layerOf(const PdfPaint& paint) {
+    std::string key = fmt::format("{} {} {} {}", static_cast<int>(paint.space.kind), paint.space.name,
+                                  paint.is_dashed, fmt::join(paint.space.inks, "/"));
+    for (const double component : paint.components) key += fmt::format(" {}", component);
+    for (const std::size_t group : paint.groups) key += fmt::format(" g{}", group);
+    const auto [known, is_new] = layers_.try_emplace(std::move(key));
+    if (is_new) known->second = choosePdfLayer(paint, document_, profile_);
+    return known->second;
+  }
+
+  void note(const PdfIgnored& ignored) {
+    std::vector<std::string> parts;
+    for (const auto& [name, count] : ignored) parts.push_back(fmt::format("{} {}", count, name));
+    if (without_ink_ > 0) parts.push_back(fmt::format("{} strokes without ink", without_ink_));
+    if (document_.annotations > 0) parts.push_back(fmt::format("{} annotations", document_.annotations));
+    if (!parts.empty()) dieline_.notes.push_back(fmt::format("Ignored: {}.", fmt::join(parts, ", ")));
+    for (const auto& [name, count] : hidden_)
+      dieline_.notes.push_back(fmt::format("Ignored: {} paths of the hidden layer {}.", count, inQuotes(name)));
+    noteIgnoredLayers(dieline_);
+    if (dieline_.entities.empty())
+      dieline_.notes.push_back("No line of the page is stroked; a filled shape has no line to follow.");
+    if (!document_.warnings.empty()) {
+      dieline_.notes.push_back(fmt::format("The file is not quite sound, {} places; the first: {}.",
+                                           document_.warnings.size(),
+                                           base::printable(document_.warnings.front(), 100)));
+    }
+  }
+
+  const PdfDocument& document_;
+  const LayerProfile& profile_;
+  FaultList& faults_;
+  Dieline dieline_;
+  std::map<std::string, PdfLayer> layers_;
+  std::set<std::string> solid_;
+  std::set<std::string> dashed_;
+  std::set<std::string> mixed_;
+  std::map<std::string, std::size_t> hidden_;
+  std::size_t without_ink_{};
+};
+
+}  // namespace
+
+Dieline readPdf(const std::string& bytes, const LayerProfile& profile, FaultList& faults) {
+  const PdfDocument document = readPdfDocument(bytes, faults);
+  return PdfDrawing(document, profile, faults).read();
+}
+
+}  // namespace kerfbench::dieline
