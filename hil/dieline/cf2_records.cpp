@@ -18,13 +18,14 @@ using Eigen::Vector2d;
 constexpr double kFarthest = 1e6;         // Coordinates beyond are no sheet's, in mm or inches.
 constexpr double kMostCentreMiss_mm = 0.05;  // The format allows it for rounding.
 
-/// Fields of a record, without blanks around them.
+/// Fields of a record, without blanks around them. No record has a meaning for more than these.
 std::vector<std::string_view> fieldsOf(std::string_view record) {
+  constexpr std::size_t kMostFields = 16;
   std::vector<std::string_view> fields;
   while (true) {
     const std::size_t comma = record.find(',');
     fields.push_back(trimmed(record.substr(0, comma)));
-    if (comma == std::string_view::npos) return fields;
+    if (comma == std::string_view::npos || fields.size() == kMostFields) return fields;
     record.remove_prefix(comma + 1);
   }
 }
@@ -45,7 +46,7 @@ class Cf2Reader {
         faults_.add(line_, fmt::format("record {} is not known{}", inQuotes(fields[0]),
                                        block_ == nullptr ? " outside of MAIN and SUB" : ""));
       }
-      if (file_.main.curves.size() + records_ > kMostEntities)
+      if (records_ > kMostEntities)
         faults_.fatal(line_, fmt::format("more than {} records", kMostEntities));
     }
     if (block_ != nullptr || skips_)

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <qpdf/InputSource.hh>
 #include <qpdf/Pl_Flate.hh>
-#include <qpdf/Pl_RunLength.hh>
 #include <qpdf/QPDF.hh>
 #include <qpdf/QPDFObjectHandle.hh>
 #include <qpdf/QPDFStreamFilter.hh>
@@ -185,20 +184,7 @@ class BoundedFlate : public QPDFStreamFilter {
   std::unique_ptr<Pl_Flate> inflate_;
 };
 
-class BoundedRunLength : public QPDFStreamFilter {
- public:
-  Pipeline* getDecodePipeline(Pipeline* next) override {
-    counted_ = std::make_unique<CountedOutput>(next);
-    decode_ = std::make_unique<Pl_RunLength>("run length", counted_.get(), Pl_RunLength::a_decode);
-    return decode_.get();
-  }
-
- private:
-  std::unique_ptr<CountedOutput> counted_;
-  std::unique_ptr<Pl_RunLength> decode_;
-};
-
-/// LZW unpacks to a thousand times its size and no program has written it since 1996.
+/// Filters that unpack without bound and that no program writes drawings with.
 class NoFilter : public QPDFStreamFilter {
  public:
   bool setDecodeParms(QPDFObjectHandle) override { return false; }
@@ -209,8 +195,8 @@ void registerFilters() {
   static std::once_flag once;
   std::call_once(once, [] {
     QPDF::registerStreamFilter("/FlateDecode", [] { return std::make_shared<BoundedFlate>(); });
-    QPDF::registerStreamFilter("/RunLengthDecode", [] { return std::make_shared<BoundedRunLength>(); });
-    QPDF::registerStreamFilter("/LZWDecode", [] { return std::make_shared<NoFilter>(); });
+    for (const char* name : {"/LZWDecode", "/RunLengthDecode"})
+      QPDF::registerStreamFilter(name, [] { return std::make_shared<NoFilter>(); });
   });
 }
 

@@ -19,7 +19,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kMostOperators = 30'000'000;   // Of all forms as often as they are drawn.
+constexpr std::size_t kMostOperators = 6'000'000;  // Of all forms as often as they are drawn.
+constexpr std::size_t kMostTokens = 16'000'000;    // A million curves have ten million.
+constexpr std::size_t kMostForms = 200'000;        // As often as they are drawn.
 constexpr double kFarthestPdf_mm = 1e6;
 
 /// What q keeps and Q brings back (ISO 32000-1, 8.4).
@@ -75,6 +77,8 @@ class PdfInterpreter {
     while (true) {
       const PdfToken token = lexer.next();
       if (token.kind == PdfToken::Kind::kEnd) break;
+      if (++tokens_ > kMostTokens)
+        faults_.fatal(0, fmt::format("the drawing of its page has more than {} words", kMostTokens));
       if (operands_.keep(token)) continue;
       if (++operators_ > kMostOperators)
         faults_.fatal(0, fmt::format("its page is drawn by more than {} operators", kMostOperators));
@@ -237,7 +241,7 @@ class PdfInterpreter {
   [[nodiscard]] PdfLook look() const {
     PdfLook look;
     const auto first = state_.components.begin();
-    look.paint = {*state_.space,
+    look.paint = {state_.space,
                   {first, first + static_cast<std::ptrdiff_t>(state_.space->components)},
                   state_.is_dashed,
                   {}};
@@ -308,6 +312,8 @@ class PdfInterpreter {
       faults_.fatal(0, fmt::format("form {} is nested deeper than {}: does it draw itself?", inQuotes(name),
                                    kDeepestNesting));
     }
+    if (++forms_ > kMostForms)
+      faults_.fatal(0, fmt::format("its page draws forms more than {} times", kMostForms));
     const PdfContent& content = document_.contents[form->second];
     const PdfState outer = state_;
     PdfPath outer_path = std::exchange(path_, {});
@@ -419,6 +425,8 @@ class PdfInterpreter {
   const PdfResources* resources_{};
   PdfPath path_;
   std::size_t operators_{};
+  std::size_t tokens_{};
+  std::size_t forms_{};
   std::size_t compatible_{};
   int depth_{};
   bool clips_{};

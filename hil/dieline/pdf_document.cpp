@@ -21,6 +21,8 @@
 namespace kerfbench::dieline {
 namespace {
 
+constexpr const char* kEncrypted = "is encrypted; save it without a password and without restrictions";
+
 /// A name without its slash.
 std::string nameOf(QPDFObjectHandle object) { return object.isName() ? object.getName().substr(1) : ""; }
 
@@ -128,7 +130,12 @@ class PdfLoader {
         pages.push_back(node);
       }
     }
-    if (pages.empty()) faults_.fatal(0, "has no page");
+    if (pages.empty()) {
+      const auto warnings = pdf_.getWarnings();
+      faults_.fatal(0, warnings.empty() ? "has no page"
+                                        : fmt::format("has no page that can be read ({})",
+                                                      base::printable(warnings.front().getMessageDetail(), 100)));
+    }
     if (pages.size() > 1) {
       auto count = entry(entry(pdf_.getRoot(), "/Pages"), "/Count");
       faults_.fatal(0, fmt::format("has {} pages, and a drawing is one; take it out with \"qpdf IN.pdf --pages "
@@ -354,21 +361,22 @@ PdfDocument readPdfDocument(const std::string& bytes, FaultList& faults) {
     faults.fatal(0, fmt::format("{} bytes are more than the limit of {} for a PDF", bytes.size(), kLargestPdf));
   PdfBudget budget;
   QPDF pdf;
+  FaultList own(faults.path());  // A fault that follows from a limit is not told.
   std::string problem;
   try {
     openBounded(pdf, bytes, budget);
-    if (pdf.isEncrypted()) faults.fatal(0, "is encrypted; save it without a password and without restrictions");
-    PdfDocument document = PdfLoader(pdf, budget, faults).load();
+    if (pdf.isEncrypted()) own.fatal(0, kEncrypted);
+    PdfDocument document = PdfLoader(pdf, budget, own).load();
     for (const QPDFExc& warning : pdf.getWarnings()) document.warnings.push_back(warning.getMessageDetail());
     if (budget.exceeded().empty()) return document;
   } catch (const QPDFExc& error) {
     problem = error.getErrorCode() == qpdf_e_password
-                  ? "is encrypted; save it without a password and without restrictions"
+                  ? kEncrypted
                   : fmt::format("is no sound PDF ({}); save it again in the program that drew it, or mend it "
                                 "with \"qpdf IN.pdf OUT.pdf\" and look at what is left",
                                 base::printable(error.getMessageDetail(), 100));
   } catch (const DielineError&) {
-    throw;
+    if (budget.exceeded().empty()) throw;
   } catch (const std::exception& error) {
     problem = fmt::format("cannot be read ({})", base::printable(error.what(), 100));
   }

@@ -49,7 +49,7 @@ std::optional<Process> pdfStepProcess(const PdfGroup& group) {
 std::vector<std::string> pdfColourNames(const PdfPaint& paint) {
   using Kind = PdfColourSpace::Kind;
   const auto& c = paint.components;
-  switch (paint.space.kind) {
+  switch (paint.space->kind) {
     case Kind::kGray:
       return {hexOf(c[0], c[0], c[0])};
     case Kind::kRgb:
@@ -62,43 +62,45 @@ std::vector<std::string> pdfColourNames(const PdfPaint& paint) {
     }
     case Kind::kSpot: {
       std::vector<std::string> inks;
-      for (std::size_t i = 0; i < paint.space.inks.size(); ++i) {
-        if (c[i] > 0.0 && paint.space.inks[i] != "None") inks.push_back(paint.space.inks[i]);
+      for (std::size_t i = 0; i < paint.space->inks.size(); ++i) {
+        if (c[i] > 0.0 && paint.space->inks[i] != "None") inks.push_back(paint.space->inks[i]);
       }
       if (inks.empty()) return {};
       return {fmt::format("{}", fmt::join(inks, "+"))};
     }
     default:
-      return {fmt::format("colours of {}", paint.space.name.empty() ? "a kind not known" : paint.space.name)};
+      return {fmt::format("colours of {}", paint.space->name.empty() ? "a kind not known" : paint.space->name)};
   }
 }
 
 PdfLayer choosePdfLayer(const PdfPaint& paint, const PdfDocument& document, const LayerProfile& profile) {
+  std::vector<std::string> colours = pdfColourNames(paint);
+  if (colours.empty()) return {.has_ink = false};
   std::vector<std::string> names;
   for (auto group = paint.groups.rbegin(); group != paint.groups.rend(); ++group) {
     const PdfGroup& g = document.groups[*group];
     const std::string step = pdfStepName(g);
     if (!step.empty()) {
       const auto process = hasRule(profile, step) ? processFor(profile, step) : pdfStepProcess(g);
-      if (process) return {step, process, "", false};
+      if (process) return {step, process, "", false, true};
       return {step, std::nullopt,
               fmt::format("is of the processing step {}, of which a laser does not know what to do; give {} a "
                           "rule",
                           inQuotes(step), inQuotes(step)),
-              false};
+              false, true};
     }
     names.push_back(g.name);
   }
   const std::size_t layers = names.size();
-  for (std::string& colour : pdfColourNames(paint)) names.push_back(std::move(colour));
+  for (std::string& colour : colours) names.push_back(std::move(colour));
   for (const std::string& name : names) {
     const std::string dashed = name + " dashed";
-    if (paint.is_dashed && hasRule(profile, dashed)) return {dashed, processFor(profile, dashed), "", false};
-    if (hasRule(profile, name)) return {name, processFor(profile, name), "", true};
+    if (paint.is_dashed && hasRule(profile, dashed)) return {dashed, processFor(profile, dashed), "", false, true};
+    if (hasRule(profile, name)) return {name, processFor(profile, name), "", true, true};
   }
   // The rule "*", if there is one. The colour is what tells strokes apart then.
-  const std::string& colour = names[std::min(layers, names.size() - 1)];
-  PdfLayer layer{colour, processFor(profile, colour), "", true};
+  const std::string& colour = names[layers];
+  PdfLayer layer{colour, processFor(profile, colour), "", true, true};
   if (!layer.process) {
     std::vector<std::string> quoted;
     for (const std::string& name : names) quoted.push_back(inQuotes(name));

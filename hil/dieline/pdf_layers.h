@@ -26,6 +26,7 @@ struct PdfLayer {
   std::optional<Process> process;
   std::string fault;         ///< Why there is no process: the end of a sentence.
   bool is_dash_blind{};      ///< The rule says nothing of dashes, so solid strokes must not share it.
+  bool has_ink{true};        ///< Otherwise nothing is seen, and all else is empty.
 };
 
 /// Decides by these, the first that fits: the processing step, the innermost layer that a rule names, the

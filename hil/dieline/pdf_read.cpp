@@ -22,6 +22,7 @@ class PdfDrawing : public PdfSink {
 
   Dieline read() {
     dieline_.path = faults_.path();
+    // What is too much is known before it takes memory.
     dieline_.entities.reserve(countPdfStrokes(document_, faults_));
     const PdfIgnored ignored = drawPdf(document_, faults_, *this);
     for (const std::string& layer : mixed_) {
@@ -35,11 +36,11 @@ class PdfDrawing : public PdfSink {
   }
 
   void take(const PdfStroke& stroke) override {
-    if (pdfColourNames(stroke.paint).empty()) {
+    const PdfLayer& layer = layerOf(stroke.paint);
+    if (!layer.has_ink) {
       ++without_ink_;
       return;
     }
-    const PdfLayer& layer = layerOf(stroke.paint);
     if (!layer.process) {
       faults_.add(0, fmt::format("path {} {}", stroke.number, layer.fault));
       return;
@@ -71,14 +72,13 @@ class PdfDrawing : public PdfSink {
   }
 
  private:
+  /// Strokes of one kind come in a row.
   const PdfLayer& layerOf(const PdfPaint& paint) {
-    std::string key = fmt::format("{} {} {} {}", static_cast<int>(paint.space.kind), paint.space.name,
-                                  paint.is_dashed, fmt::join(paint.space.inks, "/"));
-    for (const double component : paint.components) key += fmt::format(" {}", component);
-    for (const std::size_t group : paint.groups) key += fmt::format(" g{}", group);
-    const auto [known, is_new] = layers_.try_emplace(std::move(key));
-    if (is_new) known->second = choosePdfLayer(paint, document_, profile_);
-    return known->second;
+    if (!last_ || *last_ != paint) {
+      last_ = paint;
+      layer_ = choosePdfLayer(paint, document_, profile_);
+    }
+    return layer_;
   }
 
   void note(const PdfIgnored& ignored) {
@@ -103,7 +103,8 @@ class PdfDrawing : public PdfSink {
   const LayerProfile& profile_;
   FaultList& faults_;
   Dieline dieline_;
-  std::map<std::string, PdfLayer> layers_;
+  std::optional<PdfPaint> last_;
+  PdfLayer layer_;
   std::set<std::string> solid_;
   std::set<std::string> dashed_;
   std::set<std::string> mixed_;
