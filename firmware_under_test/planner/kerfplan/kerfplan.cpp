@@ -76,6 +76,7 @@ bool isGcode(const std::string& path) {
 
 dieline::Dieline readInput(const Options& options) {
   dieline::Dieline dieline = dieline::readDieline(options.input, dieline::defaultLayerProfile());
+  for (const std::string& note : dieline.notes) std::cerr << "note: " << note << '\n';
   if (dieline.entities.empty()) throw planner::PlanError(options.input + ": no entities");
   return dieline;
 }
@@ -209,7 +210,7 @@ void addJob(CLI::App& app, JobParameters& j) {
 CLI::App* jobCommand(CLI::App& app, Options& options, const char* name, const char* help, bool writes) {
   CLI::App* sub = app.add_subcommand(name, help);
   sub->add_option("DIELINE", options.input,
-                  "A .dxf or .svg drawing, or G-code (.nc, .ngc, .gcode, .tap, .txt)")
+                  "A drawing (.dxf, .svg, .pdf, .cf2), or G-code (.nc, .ngc, .gcode, .tap, .txt)")
       ->required();
   if (writes) sub->add_option("-o,--output", options.output, "File to write instead of standard output");
   const auto choice = [&](const char* option, std::string& value, const char* meaning) {
