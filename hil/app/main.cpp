@@ -151,7 +151,8 @@ void addMotion(CLI::App& app, const CliProgram& program, CliActions& actions) {
 }
 
 void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
-  CLI::App* lint = app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg, .pdf, .cf2)");
+  CLI::App* lint =
+      app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg, .pdf, .cf2)");
   const auto files = std::make_shared<std::vector<fs::path>>();
   const auto image = std::make_shared<fs::path>();
   const auto options = commonOptions(program);

@@ -71,22 +71,26 @@ class Cf2Drawing {
     if (known.second) known.first->second = processFor(profile_, layer);
     const std::optional<Process> process = known.first->second;
     if (!process) {
-      faults_.add(curve.line, fmt::format("this line is of type {}, and the profile {} has no rule for {}",
-                                          curve.type, inQuotes(profile_.name), inQuotes(layer)));
+      // One fault for all lines of a type.
+      if (known.second) {
+        faults_.add(curve.line,
+                    fmt::format("lines like this one are of type {}, and the profile {} has no rule for {}",
+                                curve.type, inQuotes(profile_.name), inQuotes(layer)));
+      }
       return;
     }
     if (curve.bridges > 0) {
       ++bridged_;
       bridges_ += static_cast<std::size_t>(curve.bridges);
     }
-    dieline_.entities.push_back({static_cast<int>(dieline_.entities.size()),
-                                 transformed(curve.curve, X),
-                                 *process,
-                                 std::move(layer),
-                                 fmt::format("line {}: {} of {:g} pt", curve.line,
-                                             std::holds_alternative<LineCurve>(curve.curve) ? "L" : "A",
-                                             curve.rule_pt),
-                                 {}});
+    dieline_.entities.push_back(
+        {static_cast<int>(dieline_.entities.size()),
+         transformed(curve.curve, X),
+         *process,
+         std::move(layer),
+         fmt::format("line {}: {} of {:g} pt", curve.line,
+                     std::holds_alternative<LineCurve>(curve.curve) ? "L" : "A", curve.rule_pt),
+         {}});
   }
 
   void note() {
@@ -102,7 +106,8 @@ class Cf2Drawing {
       if (!sub.curves.empty() && !placed_.contains(name)) unplaced.push_back(inQuotes(name));
     }
     if (!unplaced.empty())
-      dieline_.notes.push_back(fmt::format("Ignored: SUB {}, which nothing places.", fmt::join(unplaced, ", ")));
+      dieline_.notes.push_back(
+          fmt::format("Ignored: SUB {}, which nothing places.", fmt::join(unplaced, ", ")));
     if (!file_.has_end) dieline_.notes.push_back("The file has no $EOF; each of its blocks is whole.");
   }
 

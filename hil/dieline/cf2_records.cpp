@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kFarthest = 1e6;         // Coordinates beyond are no sheet's, in mm or inches.
+constexpr double kFarthest = 1e6;            // Coordinates beyond are no sheet's, in mm or inches.
 constexpr double kMostCentreMiss_mm = 0.05;  // The format allows it for rounding.
 
 /// Fields of a record, without blanks around them. No record has a meaning for more than these.
@@ -46,8 +46,7 @@ class Cf2Reader {
         faults_.add(line_, fmt::format("record {} is not known{}", inQuotes(fields[0]),
                                        block_ == nullptr ? " outside of MAIN and SUB" : ""));
       }
-      if (records_ > kMostEntities)
-        faults_.fatal(line_, fmt::format("more than {} records", kMostEntities));
+      if (records_ > kMostEntities) faults_.fatal(line_, fmt::format("more than {} records", kMostEntities));
     }
     if (block_ != nullptr || skips_)
       faults_.add(line_, fmt::format("ends within a block: {} is never ended", inQuotes(block_name_)));
@@ -108,8 +107,9 @@ class Cf2Reader {
     } else if (kind == "SCALE") {
       const auto v = numbers(fields, 1, 2);
       if (v && ((*v)[0] != 1.0 || (*v)[1] != 1.0)) {
-        faults_.add(line_, fmt::format("SCALE,{:g},{:g}: the drawing is not of its real size; export it 1 : 1",
-                                       (*v)[0], (*v)[1]));
+        faults_.add(line_,
+                    fmt::format("SCALE,{:g},{:g}: the drawing is not of its real size; export it 1 : 1",
+                                (*v)[0], (*v)[1]));
       }
     } else if (kind == "T") {
       ++file_.texts;
@@ -203,10 +203,11 @@ class Cf2Reader {
     const double miss_mm = (centre - stated).norm() * unit_mm;
     const double radius = (start - centre).norm();
     if (!(radius > 0.0) || miss_mm > kMostCentreMiss_mm) {
-      faults_.add(line_, radius > 0.0 ? fmt::format("the centre of A is {:.3f} mm from where its ends put it; "
-                                                    "{} mm may be rounding",
-                                                    miss_mm, kMostCentreMiss_mm)
-                                      : "A has no radius");
+      faults_.add(line_, radius > 0.0
+                             ? fmt::format("the centre of A is {:.3f} mm from where its ends put it; "
+                                           "{} mm may be rounding",
+                                           miss_mm, kMostCentreMiss_mm)
+                             : "A has no radius");
       return;
     }
     const double from = std::atan2(start.y() - centre.y(), start.x() - centre.x());

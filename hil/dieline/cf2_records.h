@@ -15,10 +15,10 @@ namespace kerfbench::dieline {
 /// A line or an arc of a CF2 file, in the file's own unit.
 struct Cf2Curve {
   Curve curve;
-  int type{};         ///< What the rule does: 1 cuts, 2 creases ...
-  double rule_pt{};   ///< Thickness of the rule ("pointage"), 1/72 inch.
-  int bridges{};      ///< Bridges of the die board under the rule.
-  int line{};         ///< In the file, counted from 1.
+  int type{};        ///< What the rule does: 1 cuts, 2 creases ...
+  double rule_pt{};  ///< Thickness of the rule ("pointage"), 1/72 inch.
+  int bridges{};     ///< Bridges of the die board under the rule.
+  int line{};        ///< In the file, counted from 1.
 };
 
 /// A copy of a SUB: scaled, then turned, then shifted.

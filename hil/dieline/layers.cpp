@@ -37,8 +37,8 @@ LayerProfile defaultLayerProfile() {
   set(Process::kHalfCut, {"CF2 type 4"});
   set(Process::kIgnore, {"CF2 type 40", "CF2 type 43", "CF2 type 44", "CF2 type 46"});
   // Spot colours of PDF, as the makers of cutters ask for them.
-  set(Process::kCut, {"CutContour", "Cut Contour", "Thru-Cut", "ThruCut", "Thru Cut", "Die Line", "Stanze",
-                      "Knife"});
+  set(Process::kCut,
+      {"CutContour", "Cut Contour", "Thru-Cut", "ThruCut", "Thru Cut", "Die Line", "Stanze", "Knife"});
   set(Process::kHalfCut, {"Kiss Cut", "PartialCut", "Partial Cut"});
   set(Process::kCrease, {"Creaseline", "Crease Line", "CreaseContour"});
   set(Process::kPerforation, {"PerfCutContour", "Perforating"});

@@ -202,7 +202,8 @@ void registerFilters() {
 
 class AppendingTo : public Pipeline {
  public:
-  AppendingTo(std::string& text, PdfBudget& budget) : Pipeline("text", nullptr), text_(text), budget_(budget) {}
+  AppendingTo(std::string& text, PdfBudget& budget)
+      : Pipeline("text", nullptr), text_(text), budget_(budget) {}
   void write(unsigned char const* data, std::size_t length) override {
     budget_.takeContent(length);
     text_.append(reinterpret_cast<char const*>(data), length);

@@ -19,7 +19,7 @@ class PdfBudget {
   ~PdfBudget();
 
   /// Objects: their text, and streams in which objects are packed.
-  static constexpr std::size_t kMostStructure = 1U << 20U;
+  static constexpr std::size_t kMostStructure = 3U << 18U;
 
   /// @throws std::runtime_error when there is not so much left.
   void takeStructure(std::size_t bytes);

@@ -138,7 +138,8 @@ Side PdfClip::sideOf(const Curve& curve, std::size_t& work) const {
   ++work;
   if (box_mm_.isEmpty() || !wide.intersects(box_mm)) return Side::kOutside;
   if (!wide.contains(box_mm)) side = sideOfCurve(regionOf(box_mm_), curve, work);
-  for (const Link* link = regions_.get(); link != nullptr && side != Side::kOutside; link = link->outer.get()) {
+  for (const Link* link = regions_.get(); link != nullptr && side != Side::kOutside;
+       link = link->outer.get()) {
     const Side next = sideOfCurve(link->region, curve, work);
     if (next != Side::kInside) side = next;
   }

@@ -43,11 +43,10 @@ const PdfColourSpace kPatternSpace{PdfColourSpace::Kind::kPattern, 0, {}, "Patte
 constexpr std::uint32_t op(std::string_view word) { return pdfOperator(word); }
 
 /// Operators that change nothing about where strokes lie and what colour they have.
-constexpr std::array kWithoutStrokes{op("BT"), op("ET"), op("Tc"), op("Tw"), op("Tz"), op("TL"), op("Tf"),
-                                     op("Tr"), op("Ts"), op("Td"), op("TD"), op("Tm"), op("T*"), op("d0"),
-                                     op("d1"), op("J"),  op("j"),  op("M"),  op("ri"), op("i"),  op("w"),
-                                     op("BI"), op("MP"), op("DP"), op("cs"), op("sc"), op("scn"), op("g"),
-                                     op("rg"), op("k")};
+constexpr std::array kWithoutStrokes{
+    op("BT"), op("ET"), op("Tc"), op("Tw"), op("Tz"), op("TL"), op("Tf"),  op("Tr"), op("Ts"), op("Td"),
+    op("TD"), op("Tm"), op("T*"), op("d0"), op("d1"), op("J"),  op("j"),   op("M"),  op("ri"), op("i"),
+    op("w"),  op("BI"), op("MP"), op("DP"), op("cs"), op("sc"), op("scn"), op("g"),  op("rg"), op("k")};
 
 /// Runs the operators of the page and of the forms that it draws.
 class PdfInterpreter {
@@ -138,7 +137,8 @@ class PdfInterpreter {
   [[nodiscard]] Vector2d placed(double x, double y) {
     const Vector2d p_mm = state_.X * Vector2d(x, y);
     if (!(p_mm.cwiseAbs().maxCoeff() <= kFarthestPdf_mm))
-      faults_.fatal(0, fmt::format("its drawing reaches more than {:g} mm; wrong units or scale?", kFarthestPdf_mm));
+      faults_.fatal(
+          0, fmt::format("its drawing reaches more than {:g} mm; wrong units or scale?", kFarthestPdf_mm));
     return p_mm;
   }
 
@@ -342,7 +342,9 @@ class PdfInterpreter {
 
   void setColour(const PdfColourSpace& space, const char* name) {
     state_.space = &space;
-    const auto take = [&](auto values) { std::copy(values.begin(), values.end(), state_.components.begin()); };
+    const auto take = [&](auto values) {
+      std::copy(values.begin(), values.end(), state_.components.begin());
+    };
     if (space.components == 1) take(operands_.numbers<1>(name));
     if (space.components == 3) take(operands_.numbers<3>(name));
     if (space.components == 4) take(operands_.numbers<4>(name));
@@ -386,7 +388,8 @@ class PdfInterpreter {
                      : name == "DeviceCMYK" ? &kDeviceCmyk
                                             : &kPatternSpace;
     } else {
-      faults_.fatal(0, fmt::format("its page uses the colour space {}, which is not in the file", inQuotes(name)));
+      faults_.fatal(
+          0, fmt::format("its page uses the colour space {}, which is not in the file", inQuotes(name)));
     }
     // Black, or the whole ink (ISO 32000-1, 8.6.3).
     state_.components.fill(state_.space->kind == PdfColourSpace::Kind::kSpot ? 1.0 : 0.0);

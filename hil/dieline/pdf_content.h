@@ -14,8 +14,8 @@ namespace kerfbench::dieline {
 
 /// What a stroke is drawn with.
 struct PdfPaint {
-  const PdfColourSpace* space{};    ///< Of the stroke; the document's, or a device's.
-  std::vector<double> components;   ///< As many as the space has.
+  const PdfColourSpace* space{};   ///< Of the stroke; the document's, or a device's.
+  std::vector<double> components;  ///< As many as the space has.
   bool is_dashed{};
   std::vector<std::size_t> groups;  ///< Layers around it, outermost first; places in PdfDocument::groups.
   bool operator==(const PdfPaint&) const = default;

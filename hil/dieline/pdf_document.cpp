@@ -132,15 +132,17 @@ class PdfLoader {
     }
     if (pages.empty()) {
       const auto warnings = pdf_.getWarnings();
-      faults_.fatal(0, warnings.empty() ? "has no page"
-                                        : fmt::format("has no page that can be read ({})",
-                                                      base::printable(warnings.front().getMessageDetail(), 100)));
+      faults_.fatal(0, warnings.empty()
+                           ? "has no page"
+                           : fmt::format("has no page that can be read ({})",
+                                         base::printable(warnings.front().getMessageDetail(), 100)));
     }
     if (pages.size() > 1) {
       auto count = entry(entry(pdf_.getRoot(), "/Pages"), "/Count");
-      faults_.fatal(0, fmt::format("has {} pages, and a drawing is one; take it out with \"qpdf IN.pdf --pages "
-                                   ". 1 -- OUT.pdf\"",
-                                   count.isInteger() ? std::to_string(count.getIntValue()) : "several"));
+      faults_.fatal(0,
+                    fmt::format("has {} pages, and a drawing is one; take it out with \"qpdf IN.pdf --pages "
+                                ". 1 -- OUT.pdf\"",
+                                count.isInteger() ? std::to_string(count.getIntValue()) : "several"));
     }
     return pages.front();
   }
@@ -358,7 +360,8 @@ class PdfLoader {
 
 PdfDocument readPdfDocument(const std::string& bytes, FaultList& faults) {
   if (bytes.size() > kLargestPdf)
-    faults.fatal(0, fmt::format("{} bytes are more than the limit of {} for a PDF", bytes.size(), kLargestPdf));
+    faults.fatal(0,
+                 fmt::format("{} bytes are more than the limit of {} for a PDF", bytes.size(), kLargestPdf));
   PdfBudget budget;
   QPDF pdf;
   FaultList own(faults.path());  // A fault that follows from a limit is not told.
@@ -372,9 +375,10 @@ PdfDocument readPdfDocument(const std::string& bytes, FaultList& faults) {
   } catch (const QPDFExc& error) {
     problem = error.getErrorCode() == qpdf_e_password
                   ? kEncrypted
-                  : fmt::format("is no sound PDF ({}); save it again in the program that drew it, or mend it "
-                                "with \"qpdf IN.pdf OUT.pdf\" and look at what is left",
-                                base::printable(error.getMessageDetail(), 100));
+                  : fmt::format(
+                        "is no sound PDF ({}); save it again in the program that drew it, or mend it "
+                        "with \"qpdf IN.pdf OUT.pdf\" and look at what is left",
+                        base::printable(error.getMessageDetail(), 100));
   } catch (const DielineError&) {
     if (budget.exceeded().empty()) throw;
   } catch (const std::exception& error) {

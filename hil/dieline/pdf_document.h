@@ -53,17 +53,17 @@ struct PdfResources {
   std::map<std::string, PdfColourSpace, std::less<>> colours;
   std::map<std::string, PdfMembership, std::less<>> sections;
   std::map<std::string, PdfStateChange, std::less<>> states;
-  std::map<std::string, std::size_t, std::less<>> forms;  ///< Places in PdfDocument::contents.
+  std::map<std::string, std::size_t, std::less<>> forms;   ///< Places in PdfDocument::contents.
   std::map<std::string, std::string, std::less<>> others;  ///< Other XObjects and what they are, "Image".
 };
 
 /// The page's content, or a form's.
 struct PdfContent {
-  std::string operators;                                      ///< Unpacked.
-  Eigen::Affine2d X{Eigen::Affine2d::Identity()};             ///< Of a form into the content that draws it.
-  std::optional<Eigen::AlignedBox2d> box;                     ///< Of a form; clips what it draws.
-  std::optional<PdfMembership> membership;                    ///< Of a form.
-  std::size_t resources{};                                    ///< Place in PdfDocument::resources.
+  std::string operators;                           ///< Unpacked.
+  Eigen::Affine2d X{Eigen::Affine2d::Identity()};  ///< Of a form into the content that draws it.
+  std::optional<Eigen::AlignedBox2d> box;          ///< Of a form; clips what it draws.
+  std::optional<PdfMembership> membership;         ///< Of a form.
+  std::size_t resources{};                         ///< Place in PdfDocument::resources.
 };
 
 /// All of a PDF with one page that decides what the page draws, without a reference to the file.

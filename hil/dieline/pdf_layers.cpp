@@ -69,7 +69,8 @@ std::vector<std::string> pdfColourNames(const PdfPaint& paint) {
       return {fmt::format("{}", fmt::join(inks, "+"))};
     }
     default:
-      return {fmt::format("colours of {}", paint.space->name.empty() ? "a kind not known" : paint.space->name)};
+      return {
+          fmt::format("colours of {}", paint.space->name.empty() ? "a kind not known" : paint.space->name)};
   }
 }
 
@@ -83,11 +84,12 @@ PdfLayer choosePdfLayer(const PdfPaint& paint, const PdfDocument& document, cons
     if (!step.empty()) {
       const auto process = hasRule(profile, step) ? processFor(profile, step) : pdfStepProcess(g);
       if (process) return {step, process, "", false, true};
-      return {step, std::nullopt,
-              fmt::format("is of the processing step {}, of which a laser does not know what to do; give {} a "
-                          "rule",
-                          inQuotes(step), inQuotes(step)),
-              false, true};
+      return {
+          step, std::nullopt,
+          fmt::format("is of the processing step {}, of which a laser does not know what to do; give {} a "
+                      "rule",
+                      inQuotes(step), inQuotes(step)),
+          false, true};
     }
     names.push_back(g.name);
   }
@@ -95,7 +97,8 @@ PdfLayer choosePdfLayer(const PdfPaint& paint, const PdfDocument& document, cons
   for (std::string& colour : colours) names.push_back(std::move(colour));
   for (const std::string& name : names) {
     const std::string dashed = name + " dashed";
-    if (paint.is_dashed && hasRule(profile, dashed)) return {dashed, processFor(profile, dashed), "", false, true};
+    if (paint.is_dashed && hasRule(profile, dashed))
+      return {dashed, processFor(profile, dashed), "", false, true};
     if (hasRule(profile, name)) return {name, processFor(profile, name), "", true, true};
   }
   // The rule "*", if there is one. The colour is what tells strokes apart then.

@@ -19,7 +19,8 @@ bool PdfOperands::keep(const PdfToken& token) {
   if (token.kind == Kind::kOpen) {
     if (depth_++ == 0) has_dashes_ = false;
     if (depth_ > kDeepestPdf)
-      faults_.fatal(0, fmt::format("arrays in the drawing of its page are nested deeper than {}", kDeepestPdf));
+      faults_.fatal(0,
+                    fmt::format("arrays in the drawing of its page are nested deeper than {}", kDeepestPdf));
     return true;
   }
   if (token.kind == Kind::kClose) {
@@ -62,9 +63,10 @@ bool PdfOperands::fill(double* values, std::size_t count) const {
 }
 
 void PdfOperands::refuse(const char* name, std::size_t count) {
-  faults_.fatal(0, fmt::format("the drawing of its page has {} without the numbers that it needs ({}), or with "
-                               "one out of range",
-                               name, count));
+  faults_.fatal(0,
+                fmt::format("the drawing of its page has {} without the numbers that it needs ({}), or with "
+                            "one out of range",
+                            name, count));
 }
 
 }  // namespace kerfbench::dieline

@@ -8,7 +8,7 @@
 
 namespace kerfbench::dieline {
 namespace {
-constexpr std::size_t kMostClipPieces = 20'000;    // Of one clip.
+constexpr std::size_t kMostClipPieces = 20'000;     // Of one clip.
 constexpr std::size_t kMostClipPoints = 2'000'000;  // Of all.
 constexpr std::size_t kMostClipWork = 50'000'000;   // Places looked at.
 constexpr const char* kIntricate = "its clip paths are too intricate";
@@ -44,9 +44,10 @@ void PdfPainter::stroke(const PdfPath& path, const PdfClip& clip, const PdfLook&
       ++ignored["lines outside of page or clip"];
     } else if (side == PdfClip::Side::kAcross) {
       const Eigen::Vector2d p_mm = pointAt(curve, 0);
-      faults_.add(0, fmt::format("path {}, from ({:.3f}, {:.3f}) mm, is cut off by its clip or by the edge of "
-                                 "the page; shorten it, or take it out of the clip",
-                                 paths_, p_mm.x(), p_mm.y()));
+      faults_.add(0,
+                  fmt::format("path {}, from ({:.3f}, {:.3f}) mm, is cut off by its clip or by the edge of "
+                              "the page; shorten it, or take it out of the clip",
+                              paths_, p_mm.x(), p_mm.y()));
     } else {
       stroke.curves.push_back(std::move(curve));
     }

@@ -16,7 +16,8 @@ bool isNothing(const Curve& curve) {
     return (line->end_mm - line->start_mm).norm() <= kNothing_mm;
   const auto* bezier = std::get_if<BezierCurve>(&curve);
   return bezier != nullptr &&
-         (bezier->control_mm.colwise() - bezier->control_mm.col(0)).colwise().norm().maxCoeff() <= kNothing_mm;
+         (bezier->control_mm.colwise() - bezier->control_mm.col(0)).colwise().norm().maxCoeff() <=
+             kNothing_mm;
 }
 
 }  // namespace
@@ -72,8 +73,8 @@ std::vector<Curve> PdfPath::curves(std::size_t& dots) const {
   Vector2d start = Vector2d::Zero();
   Vector2d at = start;
   std::size_t used = 0;
-  std::size_t before = 0;   // Curves in front of this subpath.
-  bool has_steps = false;   // Whether it has any step behind its first point.
+  std::size_t before = 0;  // Curves in front of this subpath.
+  bool has_steps = false;  // Whether it has any step behind its first point.
   const auto add = [&](Curve curve) {
     has_steps = true;
     if (!isNothing(curve)) curves.push_back(std::move(curve));
@@ -130,8 +131,7 @@ PdfRegion PdfPath::region(bool is_even_odd) const {
     if (step == Step::kCurve) {
       BezierCurve bezier;
       bezier.control_mm << polygon.back(), points_mm_[used], points_mm_[used + 1], points_mm_[used + 2];
-      for (int i = 1; i <= kPieces; ++i)
-        polygon.push_back(pointAt(bezier, static_cast<double>(i) / kPieces));
+      for (int i = 1; i <= kPieces; ++i) polygon.push_back(pointAt(bezier, static_cast<double>(i) / kPieces));
       used += 3;
     } else {
       polygon.push_back(points_mm_[used++]);

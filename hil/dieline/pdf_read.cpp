@@ -25,10 +25,16 @@ class PdfDrawing : public PdfSink {
     // What is too much is known before it takes memory.
     dieline_.entities.reserve(countPdfStrokes(document_, faults_));
     const PdfIgnored ignored = drawPdf(document_, faults_, *this);
+    for (const auto& [fault, where] : unknown_) {
+      const std::string others =
+          where.second > 1 ? fmt::format(" (and {} others likewise)", where.second - 1) : "";
+      faults_.add(0, fmt::format("path {}{} {}", where.first, others, fault));
+    }
     for (const std::string& layer : mixed_) {
-      faults_.add(0, fmt::format("{} has solid and dashed strokes, and one rule for both; give the dashed ones "
-                                 "a rule of their own, {}",
-                                 inQuotes(layer), inQuotes(layer + " dashed")));
+      faults_.add(0,
+                  fmt::format("{} has solid and dashed strokes, and one rule for both; give the dashed ones "
+                              "a rule of their own, {}",
+                              inQuotes(layer), inQuotes(layer + " dashed")));
     }
     faults_.throwIfAny();
     note(ignored);
@@ -42,7 +48,7 @@ class PdfDrawing : public PdfSink {
       return;
     }
     if (!layer.process) {
-      faults_.add(0, fmt::format("path {} {}", stroke.number, layer.fault));
+      unknown_.try_emplace(layer.fault, stroke.number, 0).first->second.second += 1;
       return;
     }
     if (layer.is_dash_blind && *layer.process != Process::kIgnore) {
@@ -50,8 +56,12 @@ class PdfDrawing : public PdfSink {
       if (solid_.contains(layer.name) && dashed_.contains(layer.name)) mixed_.insert(layer.name);
     }
     for (const Curve& curve : stroke.curves) {
-      dieline_.entities.push_back({static_cast<int>(dieline_.entities.size()), curve, *layer.process, layer.name,
-                                   fmt::format("path {}", stroke.number), {}});
+      dieline_.entities.push_back({static_cast<int>(dieline_.entities.size()),
+                                   curve,
+                                   *layer.process,
+                                   layer.name,
+                                   fmt::format("path {}", stroke.number),
+                                   {}});
     }
   }
 
@@ -64,9 +74,10 @@ class PdfDrawing : public PdfSink {
       if (group.is_visible || step.empty()) continue;
       const auto process = hasRule(profile_, step) ? processFor(profile_, step) : pdfStepProcess(group);
       if (process == Process::kIgnore) continue;
-      faults_.add(0, fmt::format("layer {} is hidden, and a processing step ({}); show it, or give {} the rule "
-                                 "ignore",
-                                 inQuotes(group.name), step, inQuotes(step)));
+      faults_.add(0,
+                  fmt::format("layer {} is hidden, and a processing step ({}); show it, or give {} the rule "
+                              "ignore",
+                              inQuotes(group.name), step, inQuotes(step)));
     }
     ++hidden_[name];
   }
@@ -88,7 +99,8 @@ class PdfDrawing : public PdfSink {
     if (document_.annotations > 0) parts.push_back(fmt::format("{} annotations", document_.annotations));
     if (!parts.empty()) dieline_.notes.push_back(fmt::format("Ignored: {}.", fmt::join(parts, ", ")));
     for (const auto& [name, count] : hidden_)
-      dieline_.notes.push_back(fmt::format("Ignored: {} paths of the hidden layer {}.", count, inQuotes(name)));
+      dieline_.notes.push_back(
+          fmt::format("Ignored: {} paths of the hidden layer {}.", count, inQuotes(name)));
     noteIgnoredLayers(dieline_);
     if (dieline_.entities.empty())
       dieline_.notes.push_back("No line of the page is stroked; a filled shape has no line to follow.");
@@ -109,6 +121,8 @@ class PdfDrawing : public PdfSink {
   std::set<std::string> dashed_;
   std::set<std::string> mixed_;
   std::map<std::string, std::size_t> hidden_;
+  /// Why strokes have no process: number of the first path, and how many there are.
+  std::map<std::string, std::pair<std::size_t, std::size_t>> unknown_;
   std::size_t without_ink_{};
 };
 

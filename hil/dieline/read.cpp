@@ -60,8 +60,8 @@ Dieline readDieline(const std::filesystem::path& path, const LayerProfile& profi
   } else if (const auto format = fileFormatOf(path)) {
     dieline = (*format == FileFormat::kCf2 ? readCf2 : readPdf)(contentsOf(path, faults), profile, faults);
   } else {
-    faults.fatal(0, fmt::format("extension {} is not supported; .dxf, .svg, .pdf and .cf2 are",
-                                inQuotes(extension)));
+    faults.fatal(
+        0, fmt::format("extension {} is not supported; .dxf, .svg, .pdf and .cf2 are", inQuotes(extension)));
   }
   checkRange(dieline, faults);
   faults.throwIfAny();

@@ -39,9 +39,10 @@ class Lint : public testing::Test {
 
 /// What is not part of the cut is told with the drawing.
 TEST_F(Lint, TellsWhatACf2HasBesides) {
-  const auto path = file("box.cf2",
-                         "$BOF\nV2\nMAIN,BOX\nUM\nL,2,1,0,0,0,50,0,2,0.8\nL,2,1,0,50,0,50,30,0,0\nL,2,1,0,50,30,0,0,0,0\n"
-                         "L,2,46,0,0,-5,50,-5,0,0\nT,1,46,0,5,5,0,4,3\n50 mm\nEND\n$EOF\n");
+  const auto path =
+      file("box.cf2",
+           "$BOF\nV2\nMAIN,BOX\nUM\nL,2,1,0,0,0,50,0,2,0.8\nL,2,1,0,50,0,50,30,0,0\nL,2,1,0,50,30,0,0,0,0\n"
+           "L,2,46,0,0,-5,50,-5,0,0\nT,1,46,0,5,5,0,4,3\n50 mm\nEND\n$EOF\n");
   const auto result = lint(path);
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(result.output, AllOf(HasSubstr("note: Ignored: 1 texts."), HasSubstr("2 bridges of 1 lines"),

@@ -93,17 +93,19 @@ TEST(OtherDrawingsLong, OpenCutsWithShortFirstLinesPassByGateLag) {
 /// The folding carton, written again as CF2 or PDF by a script that has nothing of the readers.
 fs::path redrawnCarton(const std::string& name, const std::string& options, const ScratchFolder& scratch) {
   const fs::path path = scratch.path() / name;
-  const ProgramRun run = program(
-      "/usr/bin/python3", fmt::format("'{}/tests/hil/dieline/redraw.py' '{}' '{}' {}", KERFBENCH_SOURCE_DIR,
-                                      fixture("dielines/tuck-end-carton.dxf").string(), path.string(), options));
+  const ProgramRun run =
+      program("/usr/bin/python3",
+              fmt::format("'{}/tests/hil/dieline/redraw.py' '{}' '{}' {}", KERFBENCH_SOURCE_DIR,
+                          fixture("dielines/tuck-end-carton.dxf").string(), path.string(), options));
   EXPECT_EQ(run.exit_code, 0) << run.output;
   return path;
 }
 
 /// Runs the carton's job with this drawing. Returns its pins.
 fs::path pinsOfCarton(const fs::path& drawing, const std::string& keys, const ScratchFolder& scratch) {
-  const fs::path scenario = scenarioWith("native/carton-on-belt.yaml",
-                                         fmt::format("name: carton\ndieline: '{}'\n{}", drawing.string(), keys), scratch);
+  const fs::path scenario =
+      scenarioWith("native/carton-on-belt.yaml",
+                   fmt::format("name: carton\ndieline: '{}'\n{}", drawing.string(), keys), scratch);
   const ProgramRun run = fastRunOf(scenario, scratch);
   EXPECT_EQ(run.exit_code, 0) << run.output;
   const std::vector<std::string> passing = checksThat(verdictOf(scratch.path() / "carton"), "PASS");
@@ -115,7 +117,8 @@ fs::path pinsOfCarton(const fs::path& drawing, const std::string& keys, const Sc
 TEST(OtherDrawings, CartonAsPdfWithProcessingStepsPasses) {
   const ScratchFolder scratch;
   pinsOfCarton(redrawnCarton("carton.pdf", "0.5 76 38 steps", scratch),
-               "print:\n  marks:\n    - {x_mm: 10, y_mm: 1, diameter_mm: 3}\n    - {x_mm: 10, y_mm: 75, diameter_mm: 3}\n"
+               "print:\n  marks:\n    - {x_mm: 10, y_mm: 1, diameter_mm: 3}\n    - {x_mm: 10, y_mm: 75, "
+               "diameter_mm: 3}\n"
                "    - {x_mm: 70, y_mm: 1, diameter_mm: 3}\n    - {x_mm: 70, y_mm: 75, diameter_mm: 3}\n"
                "    - {x_mm: 60, y_mm: 75, diameter_mm: 3}\n",
                scratch);
@@ -126,9 +129,9 @@ TEST(OtherDrawingsLong, CartonAsCf2IsTheCartonOfTheDxf) {
   for (const auto& [options, exit_code] : {std::pair{"sub", 0}, std::pair{"1 0.2 0", 1}}) {
     const ScratchFolder scratch;
     const fs::path pins = pinsOfCarton(redrawnCarton("carton.cf2", options, scratch), "", scratch);
-    const ProgramRun replay =
-        kerfbench(fmt::format("replay '{}' --scenario '{}' --twin fast --no-pictures --results-dir '{}'", pins.string(),
-                              fixture("scenarios/native/carton-on-belt.yaml").string(), scratch.path().string()));
+    const ProgramRun replay = kerfbench(
+        fmt::format("replay '{}' --scenario '{}' --twin fast --no-pictures --results-dir '{}'", pins.string(),
+                    fixture("scenarios/native/carton-on-belt.yaml").string(), scratch.path().string()));
     EXPECT_EQ(replay.exit_code, exit_code) << options << "\n" << replay.output;
   }
 }

@@ -152,7 +152,8 @@ CompensateCommand::CompensateCommand(CLI::App& app) : options_(std::make_shared<
                             "a contour in space (.xyz: a point a line, x y z in mm and the axis i j k of the "
                             "line that begins there;\nbetween two points also via, centre or bezier, and "
                             "rows of spline)");
-  sub_->add_option("FILE", options_->input, "A drawing (.dxf, .svg, .pdf, .cf2), or a contour in space (.xyz)")
+  sub_->add_option("FILE", options_->input,
+                   "A drawing (.dxf, .svg, .pdf, .cf2), or a contour in space (.xyz)")
       ->required();
   sub_->add_option(
       "-o,--output", options_->output,

@@ -25,16 +25,18 @@ std::string cf2(const std::string& main, const std::string& subs = "", const std
 Dieline readCf2Text(const std::string& main, const std::string& subs = "") {
   return readText(".cf2", cf2(main, subs));
 }
-std::string cf2Faults(const std::string& main, const std::string& subs = "", const std::string& unit = "UM\n") {
+std::string cf2Faults(const std::string& main, const std::string& subs = "",
+                      const std::string& unit = "UM\n") {
   return faultsOf(".cf2", cf2(main, subs, unit));
 }
 
 TEST(Cf2, ReadsLinesWithTheProcessOfTheirType) {
   const Dieline dieline = readCf2Text(
-      "L,2,1,0,0,0,10,5,0,0\nL,3,2,0,1,1,2,2,0,0\nL,2,3,7,0,1,0,2,0,0\nL,2,4,0,5,5,6,6\nL,2,46,0,9,9,8,8,0,0\n");
+      "L,2,1,0,0,0,10,5,0,0\nL,3,2,0,1,1,2,2,0,0\nL,2,3,7,0,1,0,2,0,0\nL,2,4,0,5,5,6,6\nL,2,46,0,9,9,8,8,0,"
+      "0\n");
   ASSERT_EQ(dieline.entities.size(), 5U);
-  const std::vector<Process> processes{Process::kCut, Process::kCrease, Process::kPerforation, Process::kHalfCut,
-                                       Process::kIgnore};
+  const std::vector<Process> processes{Process::kCut, Process::kCrease, Process::kPerforation,
+                                       Process::kHalfCut, Process::kIgnore};
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(dieline.entities[i].process, processes[i]) << i;
   EXPECT_EQ(dieline.entities[0].layer, "CF2 type 1");
   EXPECT_EQ(dieline.entities[0].origin, "line 11: L of 2 pt");
@@ -50,13 +52,14 @@ TEST(Cf2, RulesOfLayersNameTypes) {
   // What cuts and creases in turn, and a punch, no source explains alike.
   for (const int type : {0, 5, 41, 42, 45, 97, 99}) {
     EXPECT_THAT(cf2Faults(fmt::format("L,2,{},0,0,0,10,5,0,0\n", type)),
-                HasSubstr(fmt::format(":11: this line is of type {}", type)));
+                HasSubstr(fmt::format(":11: lines like this one are of type {}", type)));
   }
 }
 
 TEST(Cf2, ArcsRunTheWayThatIsStated) {
-  const Dieline dieline = readCf2Text("A,2,1,0,10,0,0,10,0,0,1,0,0\nA,2,1,0,10,0,0,10,0,0,-1,0,0\n"
-                                      "A,2,1,0,10,0,10,0,0,0,+1,0,0\nA,2,1,0,10,0,10,0,0,0,-1\n");
+  const Dieline dieline = readCf2Text(
+      "A,2,1,0,10,0,0,10,0,0,1,0,0\nA,2,1,0,10,0,0,10,0,0,-1,0,0\n"
+      "A,2,1,0,10,0,10,0,0,0,+1,0,0\nA,2,1,0,10,0,10,0,0,0,-1\n");
   const double quarter = std::numbers::pi / 2;
   const std::vector<double> sweeps{quarter, -3 * quarter, 4 * quarter, -4 * quarter};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -131,8 +134,9 @@ TEST(Cf2, WhatALaserDoesNotHaveIsTold) {
 
 /// Files as other programs write them: blanks behind commas, DOS and Macintosh ends of lines, no $EOF.
 TEST(Cf2, HabitsOfWritersAreTaken) {
-  const std::string text = "$BOF\r\nV2\r\nORDER\r\n%1 : tool\r\nEND\r\nMAIN, tool\r\nUM\r\nC,MODEL0, 0 ,0,0,1,1\r\n"
-                           "END\r\nSUB,MODEL0\r\nL,1,1,0, 0,0,5,5,0,0.0\r\nEND\r\n";
+  const std::string text =
+      "$BOF\r\nV2\r\nORDER\r\n%1 : tool\r\nEND\r\nMAIN, tool\r\nUM\r\nC,MODEL0, 0 ,0,0,1,1\r\n"
+      "END\r\nSUB,MODEL0\r\nL,1,1,0, 0,0,5,5,0,0.0\r\nEND\r\n";
   for (const std::string end : {"\r\n", "\n", "\r"}) {
     std::string other;
     for (const char c : text) other += c == '\r' ? "" : c == '\n' ? end : std::string(1, c);
@@ -151,7 +155,8 @@ TEST(Cf2, ContentTellsTheFormatOfOtherExtensions) {
 TEST(HostileCf2, IsToldWhereItBreaks) {
   EXPECT_THAT(cf2Faults("L,2,1,0,0,0,10\n"), HasSubstr(":11: L has 6 fields, 7 are needed"));
   EXPECT_THAT(cf2Faults("L,2,x,0,0,0,10,5\n"), HasSubstr(":11: L has no type of line"));
-  EXPECT_THAT(cf2Faults("L,2,1,0,1e308,0,10,5\n"), HasSubstr("field 4 of L is no number of a drawing: '1e308'"));
+  EXPECT_THAT(cf2Faults("L,2,1,0,1e308,0,10,5\n"),
+              HasSubstr("field 4 of L is no number of a drawing: '1e308'"));
   EXPECT_THAT(cf2Faults("A,2,1,0,0,nan,10,5,0,0,1\n"), HasSubstr("field 5 of A is no number"));
   EXPECT_THAT(cf2Faults("L,2,1,0,0,0,10,5,1.5,1\n"), HasSubstr("has '1.5' bridges"));
   EXPECT_THAT(cf2Faults("Q,1,2\n"), HasSubstr(":11: record 'Q' is not known"));
@@ -166,8 +171,9 @@ TEST(HostileCf2, IsToldWhereItBreaks) {
 }
 
 TEST(HostileCf2, BlocksThatHoldThemselvesOrUnfoldWithoutBoundEnd) {
-  EXPECT_THAT(cf2Faults("C,A,0,0,0,1,1\n", "SUB,A\nC,B,0,0,0,1,1\nC,B,0,0,0,1,1\nEND\n"
-                                           "SUB,B\nC,A,0,0,0,1,1\nC,A,0,0,0,1,1\nEND\n"),
+  EXPECT_THAT(cf2Faults("C,A,0,0,0,1,1\n",
+                        "SUB,A\nC,B,0,0,0,1,1\nC,B,0,0,0,1,1\nEND\n"
+                        "SUB,B\nC,A,0,0,0,1,1\nC,A,0,0,0,1,1\nEND\n"),
               HasSubstr("nested deeper than 16"));
   std::string subs;
   for (int i = 0; i < 12; ++i) {
@@ -175,7 +181,8 @@ TEST(HostileCf2, BlocksThatHoldThemselvesOrUnfoldWithoutBoundEnd) {
     for (int k = 0; k < 10; ++k) subs += fmt::format("C,S{},0,0,0,1,1\n", i + 1);
     subs += "END\n";
   }
-  EXPECT_THAT(cf2Faults("C,S0,0,0,0,1,1\n", subs + "SUB,S12\nEND\n"), HasSubstr("more than 1000000 entities"));
+  EXPECT_THAT(cf2Faults("C,S0,0,0,0,1,1\n", subs + "SUB,S12\nEND\n"),
+              HasSubstr("more than 1000000 entities"));
   std::string deep;
   for (int i = 0; i < 14; ++i) deep += fmt::format("SUB,S{}\nC,S{},0,0,0,1e6,1e6\nEND\n", i, i + 1);
   EXPECT_THAT(cf2Faults("C,S0,0,0,0,1,1\n", deep + "SUB,S14\nL,2,1,0,0,0,1,1\nEND\n"),

@@ -123,7 +123,8 @@ TEST(HostileSvg, DeepNestingEnds) {
 }
 
 TEST(Hostile, OtherFilesAreRefused) {
-  EXPECT_THAT(faultsOf(".eps", "%!PS"), HasSubstr("extension '.eps' is not supported; .dxf, .svg, .pdf and .cf2 are"));
+  EXPECT_THAT(faultsOf(".eps", "%!PS"),
+              HasSubstr("extension '.eps' is not supported; .dxf, .svg, .pdf and .cf2 are"));
   EXPECT_THROW(readDieline("no/such/file.dxf", defaultLayerProfile()), DielineError);
   EXPECT_THROW(readDieline(std::filesystem::temp_directory_path() / ".", defaultLayerProfile()),
                DielineError);

@@ -39,7 +39,8 @@ class OtherWriters : public testing::Test {
     return file(name);
   }
   /// The fixture, written again by the script.
-  fs::path redrawn(const std::string& fixture_name, const std::string& name, const std::string& options) const {
+  fs::path redrawn(const std::string& fixture_name, const std::string& name,
+                   const std::string& options) const {
     const std::string command =
         fmt::format("/usr/bin/python3 '{}/tests/hil/dieline/redraw.py' '{}' '{}' {}", KERFBENCH_SOURCE_DIR,
                     fixture(fixture_name).string(), file(name).string(), options);
@@ -47,7 +48,8 @@ class OtherWriters : public testing::Test {
     return file(name);
   }
   void run(const std::string& command) const {
-    EXPECT_EQ(std::system(fmt::format("cd '{}' && {} >log 2>&1", folder_.string(), command).c_str()), 0) << command;
+    EXPECT_EQ(std::system(fmt::format("cd '{}' && {} >log 2>&1", folder_.string(), command).c_str()), 0)
+        << command;
   }
 
  private:
@@ -70,7 +72,8 @@ std::map<std::string, Sum> sumsBy(const Dieline& dieline, Key key) {
   return sums;
 }
 std::map<std::string, Sum> processesOfDrawing(const fs::path& path) {
-  return sumsBy(readDieline(path, defaultLayerProfile()), [](const Entity& e) { return processName(e.process); });
+  return sumsBy(readDieline(path, defaultLayerProfile()),
+                [](const Entity& e) { return processName(e.process); });
 }
 
 void expectSame(const std::map<std::string, Sum>& ours, const std::map<std::string, Sum>& theirs,
@@ -89,10 +92,10 @@ void expectSame(const std::map<std::string, Sum>& ours, const std::map<std::stri
 void expectWitnessed(const fs::path& pdf) {
   if (!isInstalled("mutool")) GTEST_SKIP() << "mutool (package mupdf-tools) is not installed";
   const fs::path rows = pdf.string() + ".txt";
-  const std::string command =
-      fmt::format("mutool draw -q -F trace '{0}' 1 2>/dev/null | /usr/bin/python3 '{1}/tests/hil/dieline/pdf_witness.py' "
-                  ">'{2}'",
-                  pdf.string(), KERFBENCH_SOURCE_DIR, rows.string());
+  const std::string command = fmt::format(
+      "mutool draw -q -F trace '{0}' 1 2>/dev/null | /usr/bin/python3 '{1}/tests/hil/dieline/pdf_witness.py' "
+      ">'{2}'",
+      pdf.string(), KERFBENCH_SOURCE_DIR, rows.string());
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   const LayerProfile all{"all", {{"*", Process::kCut}}};
   const auto sums = sumsBy(readDieline(pdf, all), [](const Entity& e) { return e.layer; });
@@ -121,7 +124,8 @@ TEST_F(OtherWriters, Cf2IsTheDrawingOfTheDxf) {
   for (const char* name : {kCarton, "button.dxf", "coupon-perforated.dxf"}) {
     const auto dxf = processesOfDrawing(fixture(name));
     for (const char* options : {"", "inch", "sub"})
-      expectSame(processesOfDrawing(redrawn(name, "a.cf2", options)), dxf, {0, 0}, fmt::format("{} {}", name, options));
+      expectSame(processesOfDrawing(redrawn(name, "a.cf2", options)), dxf, {0, 0},
+                 fmt::format("{} {}", name, options));
   }
 }
 
@@ -144,7 +148,8 @@ TEST_F(OtherWriters, PdfOfCairo) {
   // Cairo rounds each coordinate to 1/256 pt.
   const auto dxf = processesOfDrawing(fixture(kCarton));
   const auto ours = processesOfDrawing(pdf);
-  for (const auto& [process, sum] : dxf) EXPECT_NEAR(ours.at(process).length_mm, sum.length_mm, 0.02) << process;
+  for (const auto& [process, sum] : dxf)
+    EXPECT_NEAR(ours.at(process).length_mm, sum.length_mm, 0.02) << process;
 }
 
 TEST_F(OtherWriters, PdfOfReportLab) {
@@ -203,13 +208,15 @@ TEST_F(OtherWriters, PdfOfRsvg) {
     const auto pdf = processesOfDrawing(file("a.pdf"));
     ASSERT_EQ(pdf.size(), svg.size());
     // It writes by cairo, too.
-    for (const auto& [process, sum] : svg) EXPECT_NEAR(pdf.at(process).length_mm, sum.length_mm, 0.02) << name;
+    for (const auto& [process, sum] : svg)
+      EXPECT_NEAR(pdf.at(process).length_mm, sum.length_mm, 0.02) << name;
   }
 }
 
 TEST_F(OtherWriters, PdfOfInkscape) {
   if (!isInstalled("inkscape")) GTEST_SKIP() << "inkscape is not installed";
-  run(fmt::format("inkscape --export-type=pdf --export-filename=a.pdf '{}'", fixture("label-60x40.svg").string()));
+  run(fmt::format("inkscape --export-type=pdf --export-filename=a.pdf '{}'",
+                  fixture("label-60x40.svg").string()));
   expectWitnessed(file("a.pdf"));
 }
 
@@ -225,8 +232,9 @@ TEST_F(OtherWriters, PdfWrittenAgainByQpdfIsTheSame) {
   if (!isInstalled("qpdf")) GTEST_SKIP() << "qpdf is not installed";
   redrawn(kCarton, "a.pdf", "1 150 100 steps");
   const Dieline whole = readDieline(file("a.pdf"), defaultLayerProfile());
-  for (const char* options : {"--qdf", "--object-streams=generate", "--linearize", "--newline-before-endstream",
-                              "--object-streams=generate --recompress-flate --compression-level=9"}) {
+  for (const char* options :
+       {"--qdf", "--object-streams=generate", "--linearize", "--newline-before-endstream",
+        "--object-streams=generate --recompress-flate --compression-level=9"}) {
     run(fmt::format("qpdf {} a.pdf b.pdf", options));
     const Dieline again = readDieline(file("b.pdf"), defaultLayerProfile());
     ASSERT_EQ(again.entities.size(), whole.entities.size()) << options;

@@ -30,7 +30,8 @@ using testing::HasSubstr;
 std::string packed(const std::string& data) {
   uLongf size = compressBound(data.size());
   std::string text(size, '\0');
-  compress2(reinterpret_cast<Bytef*>(text.data()), &size, reinterpret_cast<const Bytef*>(data.data()), data.size(), 1);
+  compress2(reinterpret_cast<Bytef*>(text.data()), &size, reinterpret_cast<const Bytef*>(data.data()),
+            data.size(), 1);
   text.resize(size);
   return text;
 }
@@ -43,7 +44,8 @@ std::string repeated(const std::string& part, std::size_t count) {
 
 /// One page whose content is this stream.
 std::string withContent(const std::string& stream) {
-  return pdfOf({"<< /Pages 2 0 R >>", "<< /Kids [3 0 R] >>", "<< /MediaBox [0 0 200 200] /Contents 4 0 R >>", stream});
+  return pdfOf(
+      {"<< /Pages 2 0 R >>", "<< /Kids [3 0 R] >>", "<< /MediaBox [0 0 200 200] /Contents 4 0 R >>", stream});
 }
 std::string withPacked(const std::string& content) {
   return withContent(pdfStream(packed(content), "/Filter /FlateDecode"));
@@ -75,8 +77,7 @@ std::vector<Hostile> greedyFiles() {
   const std::string twice = packed(packed(std::string(70'000'000, '\0')));
   return {
       {"packed blanks", withPacked(std::string(68'000'000, ' ')), much},
-      {"packed twice",
-       withContent(pdfStream(twice, "/Filter [/FlateDecode /FlateDecode]")), much},
+      {"packed twice", withContent(pdfStream(twice, "/Filter [/FlateDecode /FlateDecode]")), much},
       {"run lengths", withContent(pdfStream("\x81 ", "/Filter /RunLengthDecode")), "cannot be unpacked"},
       {"LZW", withContent(pdfStream("\x80\x0b", "/Filter /LZWDecode")), "cannot be unpacked (/LZWDecode)"},
       {"states", withPacked(repeated("q ", 1'000'000)), "q is nested deeper than 512"},
@@ -86,7 +87,8 @@ std::vector<Hostile> greedyFiles() {
       {"arrays", withPacked(repeated("[", 1'000'000)), "nested deeper than 512"},
       {"sections", withPacked(repeated("/A BMC ", 1'000'000)), "nested deeper than 512"},
       {"a long path", withPacked("0 0 m " + repeated("9 9 l ", 1'000'100)), "more than 1000000 pieces"},
-      {"many lines", withPacked("1 0 0 RG " + repeated("0 0 m 9 9 l S ", 1'000'100)), "more than 1000000 entities"},
+      {"many lines", withPacked("1 0 0 RG " + repeated("0 0 m 9 9 l S ", 1'000'100)),
+       "more than 1000000 entities"},
       {"clips", withPacked(repeated("0 0 m 99 0 l 50 99 l W n ", 1'000)), "clip paths are too intricate"},
       {"an intricate clip",
        withPacked("0 0 m " + repeated("1 1 2 2 3 3 c ", 19'000) + "W n " + repeated("5 5 m 9 9 l S ", 1000)),
@@ -99,10 +101,12 @@ std::vector<Hostile> greedyFiles() {
               pdfStream(packed(repeated("n ", 100'000)), "/Filter /FlateDecode")}),
        much},
       {"a large array", withKeys("/X [" + repeated("0 ", 4'000'000) + "]"), much},
+      {"an array of arrays", withKeys("/X [" + repeated("[0]", 1'000'000) + "]"), much},
       {"nested arrays", withKeys("/X " + repeated("[", 300'000)), "has no page"},
       {"nested dictionaries", withKeys("/X " + repeated("<</A", 100'000)), "has no page"},
       {"many pages",
-       pdfOf({"<< /Pages 2 0 R >>", "<< /Kids [" + repeated("3 0 R ", 300'000) + "] >>", "<< /Kids [] >>"}), much},
+       pdfOf({"<< /Pages 2 0 R >>", "<< /Kids [" + repeated("3 0 R ", 300'000) + "] >>", "<< /Kids [] >>"}),
+       much},
   };
 }
 
@@ -123,7 +127,8 @@ TEST(HostilePdf, GreedyFilesAreRefusedWithOneSentence) {
     EXPECT_THAT(faults, HasSubstr(hostile.sentence)) << hostile.name;
     EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 0) << hostile.name;
   }
-  EXPECT_THAT(faultsOf(".pdf", withPackedTable(3'000'000)), HasSubstr("this is not how a drawing is written"));
+  EXPECT_THAT(faultsOf(".pdf", withPackedTable(3'000'000)),
+              HasSubstr("this is not how a drawing is written"));
 }
 
 std::size_t peakOfMemory_mib() {
@@ -141,7 +146,8 @@ TEST(HostilePdfDeathTest, GreedyFilesTakeLittleMemory) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   // The files are on disk: making them takes more memory than reading them may.
   std::vector<std::unique_ptr<TempFile>> files;
-  for (const Hostile& hostile : greedyFiles()) files.push_back(std::make_unique<TempFile>(".pdf", hostile.file));
+  for (const Hostile& hostile : greedyFiles())
+    files.push_back(std::make_unique<TempFile>(".pdf", hostile.file));
   files.push_back(std::make_unique<TempFile>(".pdf", withPackedTable(1'000'000)));
   const auto read = [&] {
     const std::size_t before_mib = peakOfMemory_mib();
@@ -165,7 +171,8 @@ TEST(HostilePdf, IsToldWhatIsWrong) {
   EXPECT_THAT(faults("nan 0 m"), HasSubstr("has the operator 'nan'"));
   EXPECT_THAT(faults("1" + std::string(308, '0') + " 0 m"), HasSubstr("with one out of range"));
   EXPECT_THAT(faults("1" + std::string(400, '0') + " 0 m"), HasSubstr("with one out of range"));
-  EXPECT_THAT(faults(repeated("99999999 0 0 99999999 0 0 cm ", 50) + "1 1 m"), HasSubstr("wrong units or scale?"));
+  EXPECT_THAT(faults(repeated("99999999 0 0 99999999 0 0 cm ", 50) + "1 1 m"),
+              HasSubstr("wrong units or scale?"));
   EXPECT_THAT(faults("1 m"), HasSubstr("has m without the numbers that it needs"));
   EXPECT_THAT(faults("(a) 1 m"), HasSubstr("has m without the numbers"));
   EXPECT_THAT(faults("1 1 l S"), HasSubstr("begins without a point"));
@@ -176,34 +183,47 @@ TEST(HostilePdf, IsToldWhatIsWrong) {
   EXPECT_THAT(faults("ID \1\2"), HasSubstr("an image within the drawing of its page has no end"));
   EXPECT_THAT(faults("/X Do"), HasSubstr("draws 'X', which is not in the file"));
   EXPECT_THAT(faults("1 RG"), HasSubstr("has RG without"));
-  EXPECT_THAT(faultsOf(".pdf", pdfPage("/F Do", {.resources = "/XObject << /F 5 0 R >>",
-                                                 .objects = {pdfForm("/F Do /F Do", "/XObject << /F 5 0 R >>")}})),
-              HasSubstr("form 'F' is nested deeper than 16: does it draw itself?"));
+  EXPECT_THAT(
+      faultsOf(".pdf", pdfPage("/F Do", {.resources = "/XObject << /F 5 0 R >>",
+                                         .objects = {pdfForm("/F Do /F Do", "/XObject << /F 5 0 R >>")}})),
+      HasSubstr("form 'F' is nested deeper than 16: does it draw itself?"));
   EXPECT_THAT(faultsOf(".pdf", "%PDF"), HasSubstr("is no sound PDF (can't find startxref)"));
   EXPECT_THAT(faultsOf(".pdf", std::string(1000, '\0')), HasSubstr("is no sound PDF"));
   const std::string sound = pdfPage("1 0 0 RG 0 0 m 9 9 l S");
-  EXPECT_THAT(faultsOf(".pdf", sound.substr(0, sound.size() / 2)), HasSubstr("mend it with \"qpdf IN.pdf OUT.pdf\""));
+  EXPECT_THAT(faultsOf(".pdf", sound.substr(0, sound.size() / 2)),
+              HasSubstr("mend it with \"qpdf IN.pdf OUT.pdf\""));
   // What the table of objects says must be true: a reader that mends it may find what was deleted.
   std::string moved = sound;
   moved.insert(moved.find("3 0 obj"), "%shift\n");
   EXPECT_THAT(faultsOf(".pdf", moved), HasSubstr("is no sound PDF"));
-  EXPECT_THAT(faultsOf(".pdf", pdfOf({"<< /Pages 2 0 R >>"}, "/Encrypt << /Filter /Standard /V 1 /R 2 /O (x) /U (y) /P "
-                                                             "-4 >> /ID [(a) (b)]")),
+  EXPECT_THAT(faultsOf(".pdf", pdfOf({"<< /Pages 2 0 R >>"},
+                                     "/Encrypt << /Filter /Standard /V 1 /R 2 /O (x) /U (y) /P "
+                                     "-4 >> /ID [(a) (b)]")),
               HasSubstr("is encrypted; save it without a password"));
 }
 
 /// Cuts, changes and doubles parts of sound files; each must be read or refused with its path.
 TEST(HostilePdf, MutatedFilesAreReadOrRefused) {
   std::mt19937 random(11);
-  const auto upTo = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-  const std::vector<std::string> junk{"-1",   "99999999999999999999", "1e308", "nan", "/F Do ", "[", "<<",
-                                      "0 0 R", "3 0 R",                "endobj", "\xff", "q ",     "W n "};
-  const PdfPage page{.resources = "/XObject << /F 5 0 R >> /ColorSpace << /C [/Separation /Cut /DeviceRGB 9 0 R] >> "
-                                  "/Properties << /A 6 0 R >>",
-                     .catalogue = "/OCProperties << /OCGs [6 0 R] /D << /OFF [] >> >>",
-                     .objects = {pdfForm("1 0 0 RG 10 10 m 20 20 30 30 40 10 c s"), "<< /Type /OCG /Name (Cut) >>"}};
-  const std::string whole =
-      pdfPage("/OC /A BDC q 1 0 0 1 5 5 cm /C CS 1 SCN 0 0 50 50 re S /F Do Q EMC 0 0 99 99 re W n 5 5 m 9 9 l S", page);
+  const auto upTo = [&](std::size_t n) {
+    return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
+  };
+  const std::vector<std::string> junk{"-1",     "99999999999999999999",
+                                      "1e308",  "nan",
+                                      "/F Do ", "[",
+                                      "<<",     "0 0 R",
+                                      "3 0 R",  "endobj",
+                                      "\xff",   "q ",
+                                      "W n "};
+  const PdfPage page{
+      .resources =
+          "/XObject << /F 5 0 R >> /ColorSpace << /C [/Separation /Cut /DeviceRGB 9 0 R] >> "
+          "/Properties << /A 6 0 R >>",
+      .catalogue = "/OCProperties << /OCGs [6 0 R] /D << /OFF [] >> >>",
+      .objects = {pdfForm("1 0 0 RG 10 10 m 20 20 30 30 40 10 c s"), "<< /Type /OCG /Name (Cut) >>"}};
+  const std::string whole = pdfPage(
+      "/OC /A BDC q 1 0 0 1 5 5 cm /C CS 1 SCN 0 0 50 50 re S /F Do Q EMC 0 0 99 99 re W n 5 5 m 9 9 l S",
+      page);
   ASSERT_EQ(readText(".pdf", whole).entities.size(), 7U);
   int refused = 0;
   for (int i = 0; i < 1500; ++i) {
@@ -216,7 +236,8 @@ TEST(HostilePdf, MutatedFilesAreReadOrRefused) {
           text.erase(at, length);
           break;
         case 1:
-          text.replace(at, length, std::string(length, ' ').replace(0, 0, junk[upTo(junk.size())]).substr(0, length));
+          text.replace(at, length,
+                       std::string(length, ' ').replace(0, 0, junk[upTo(junk.size())]).substr(0, length));
           break;
         case 2:
           text[at] = static_cast<char>(upTo(256));

@@ -61,8 +61,9 @@ TEST(Pdf, PathsAreExact) {
 }
 
 TEST(Pdf, MatricesAndStatesAreStacked) {
-  const Dieline dieline = readPage("1 0 0 RG q 2 0 0 2 72 0 cm q 0 1 -1 0 36 0 cm 0 0 m 36 0 l S Q 0 0 m 36 0 l S Q "
-                                   "0 0 m 36 0 l S Q Q 0 0 m 72 0 l S");
+  const Dieline dieline = readPage(
+      "1 0 0 RG q 2 0 0 2 72 0 cm q 0 1 -1 0 36 0 cm 0 0 m 36 0 l S Q 0 0 m 36 0 l S Q "
+      "0 0 m 36 0 l S Q Q 0 0 m 72 0 l S");
   ASSERT_EQ(dieline.entities.size(), 4U);
   EXPECT_NEAR((startOf(dieline, 0) - kInch_mm * Vector2d(2, 0)).norm(), 0, 1e-12);
   EXPECT_NEAR((pointAt(dieline.entities[0].curve, 1) - kInch_mm * Vector2d(2, 1)).norm(), 0, 1e-12);
@@ -96,62 +97,79 @@ TEST(Pdf, PageIsPlacedAsItIsShown) {
 
 TEST(Pdf, SizesAreInheritedAlongThePageTree) {
   const Dieline dieline = readText(
-      ".pdf", pdfOf({"<< /Pages 2 0 R >>",
-                     "<< /Type /Pages /Kids [3 0 R] /Count 1 /MediaBox [0 0 200 200] /Rotate 90 /Resources << "
-                     "/XObject << /F 6 0 R >> >> >>",
-                     "<< /Type /Pages /Parent 2 0 R /Kids [4 0 R] /Count 1 >>",
-                     "<< /Type /Page /Parent 3 0 R /Contents [5 0 R 5 0 R] >>", pdfStream("/F Do"),
-                     pdfForm("1 0 0 RG 0 0 m 72 0 l S")}));
+      ".pdf",
+      pdfOf({"<< /Pages 2 0 R >>",
+             "<< /Type /Pages /Kids [3 0 R] /Count 1 /MediaBox [0 0 200 200] /Rotate 90 /Resources << "
+             "/XObject << /F 6 0 R >> >> >>",
+             "<< /Type /Pages /Parent 2 0 R /Kids [4 0 R] /Count 1 >>",
+             "<< /Type /Page /Parent 3 0 R /Contents [5 0 R 5 0 R] >>", pdfStream("/F Do"),
+             pdfForm("1 0 0 RG 0 0 m 72 0 l S")}));
   EXPECT_EQ(dieline.entities.size(), 2U);
   EXPECT_NEAR(startOf(dieline, 0).y(), 200.0 / 72 * kInch_mm, 1e-9);
 }
 
 TEST(Pdf, ColoursAreLayers) {
   const LayerProfile all{"own", {{"*", Process::kCut}}};
-  EXPECT_THAT(layersOf(readPage("0 0 m 9 9 l S 0.5 G 0 0 m 9 9 l S 1 0 0 RG 0 0 m 9 9 l S 0 0 0 1 K 0 0 m 9 9 l S\n"
-                                "/DeviceRGB CS 0 0 m 9 9 l S 0 1 0.2 SC 0 0 m 9 9 l S /DeviceCMYK CS 0 0 m 9 9 l S",
-                                {}, all)),
-              ElementsAre("#000000", "#808080", "#ff0000", "cmyk 0 0 0 100", "#000000", "#00ff33",
-                          "cmyk 0 0 0 100"));
-  const LayerProfile cyan{"own", {{"cmyk 0 100 100 0", Process::kCrease}, {"#00ffff", Process::kPerforation}}};
+  EXPECT_THAT(
+      layersOf(readPage("0 0 m 9 9 l S 0.5 G 0 0 m 9 9 l S 1 0 0 RG 0 0 m 9 9 l S 0 0 0 1 K 0 0 m 9 9 l S\n"
+                        "/DeviceRGB CS 0 0 m 9 9 l S 0 1 0.2 SC 0 0 m 9 9 l S /DeviceCMYK CS 0 0 m 9 9 l S",
+                        {}, all)),
+      ElementsAre("#000000", "#808080", "#ff0000", "cmyk 0 0 0 100", "#000000", "#00ff33", "cmyk 0 0 0 100"));
+  const LayerProfile cyan{"own",
+                          {{"cmyk 0 100 100 0", Process::kCrease}, {"#00ffff", Process::kPerforation}}};
   EXPECT_EQ(processesOf(readPage("0 1 1 0 K 0 0 m 9 9 l S 1 0 0 0 K 0 0 m 9 9 l S", {}, cyan)),
             "crease perforation");
-  EXPECT_THAT(pageFaults("0.3 0 0.1 RG 0 0 m 9 9 l S"),
-              HasSubstr("path 1 is known as '#4d001a', and the profile 'default' has a rule for none of them"));
+  EXPECT_THAT(
+      pageFaults("0.3 0 0.1 RG 0 0 m 9 9 l S"),
+      HasSubstr("path 1 is known as '#4d001a', and the profile 'default' has a rule for none of them"));
+}
+
+TEST(Pdf, ManyStrokesWithoutARuleAreOneFault) {
+  std::string content = "0.3 0 0.1 RG ";
+  for (int i = 0; i < 300; ++i) content += "0 0 m 9 9 l S ";
+  const std::string faults = pageFaults(content + "0 0.3 0.1 RG 0 0 m 9 9 l S");
+  EXPECT_THAT(faults, HasSubstr("path 1 (and 299 others likewise) is known as '#4d001a'"));
+  EXPECT_THAT(faults, HasSubstr("path 301 is known as '#004d1a'"));
+  EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 1);
 }
 
 TEST(Pdf, SpotColoursAreLayersByTheirNames) {
-  const PdfPage page{.resources = "/ColorSpace << /A [/Separation /Dieline /DeviceCMYK 9 0 R] /B [/Separation "
-                                  "/CutContour /DeviceCMYK 9 0 R] /C [/Separation /Kiss#20Cut /DeviceRGB 9 0 R] /D "
-                                  "[/DeviceN [/Crease /None] /DeviceCMYK 9 0 R] /E [/Separation /None /DeviceGray 9 0 "
-                                  "R] /I [/ICCBased 5 0 R] /L [/Lab << >>] >>",
+  const PdfPage page{.resources =
+                         "/ColorSpace << /A [/Separation /Dieline /DeviceCMYK 9 0 R] /B [/Separation "
+                         "/CutContour /DeviceCMYK 9 0 R] /C [/Separation /Kiss#20Cut /DeviceRGB 9 0 R] /D "
+                         "[/DeviceN [/Crease /None] /DeviceCMYK 9 0 R] /E [/Separation /None /DeviceGray 9 0 "
+                         "R] /I [/ICCBased 5 0 R] /L [/Lab << >>] >>",
                      .objects = {pdfStream("", "/N 3")}};
-  const Dieline dieline = readPage("/A CS 0 0 m 9 9 l S 1 SCN 0 0 m 9 9 l S /B CS 0.4 SC 0 0 m 9 9 l S\n"
-                                   "/C CS 0 0 m 9 9 l S /D CS 1 1 SCN 0 0 m 9 9 l S /E CS 1 SCN 0 0 m 9 9 l S\n"
-                                   "/A CS 0 SCN 0 0 m 9 9 l S /I CS 0 0 1 SCN 0 0 m 9 9 l S",
-                                   page);
+  const Dieline dieline = readPage(
+      "/A CS 0 0 m 9 9 l S 1 SCN 0 0 m 9 9 l S /B CS 0.4 SC 0 0 m 9 9 l S\n"
+      "/C CS 0 0 m 9 9 l S /D CS 1 1 SCN 0 0 m 9 9 l S /E CS 1 SCN 0 0 m 9 9 l S\n"
+      "/A CS 0 SCN 0 0 m 9 9 l S /I CS 0 0 1 SCN 0 0 m 9 9 l S",
+      page);
   EXPECT_THAT(layersOf(dieline),
               ElementsAre("Dieline", "Dieline", "CutContour", "Kiss Cut", "Crease", "#0000ff"));
   EXPECT_EQ(processesOf(dieline), "cut cut cut half-cut crease crease");
   EXPECT_THAT(dieline.notes, ElementsAre("Ignored: 2 strokes without ink."));
   EXPECT_THAT(pageFaults("/L CS 0 0 m 9 9 l S", page), HasSubstr("'colours of Lab'"));
-  EXPECT_THAT(pageFaults("/X CS 0 0 m 9 9 l S", page), HasSubstr("colour space 'X', which is not in the file"));
+  EXPECT_THAT(pageFaults("/X CS 0 0 m 9 9 l S", page),
+              HasSubstr("colour space 'X', which is not in the file"));
 }
 
 /// Groups 5 Cut, 6 Notes, 7 Hidden.
 PdfPage layered(const std::string& defaults = "", const std::string& properties = "") {
-  return {.resources = "/Properties << /A 5 0 R /B 6 0 R /C 7 0 R " + properties + " >> /XObject << /F 8 0 R >>",
-          .catalogue = "/OCProperties << /OCGs [5 0 R 6 0 R 7 0 R] /D << " + defaults + " >> >>",
-          .objects = {"<< /Type /OCG /Name (Cut) >>", "<< /Type /OCG /Name (Notes) >>",
-                      "<< /Type /OCG /Name <FEFF00480069006400640065006E> >>",
-                      pdfForm("0 0 m 9 9 l S", "", "/OC 6 0 R")}};
+  return {
+      .resources = "/Properties << /A 5 0 R /B 6 0 R /C 7 0 R " + properties + " >> /XObject << /F 8 0 R >>",
+      .catalogue = "/OCProperties << /OCGs [5 0 R 6 0 R 7 0 R] /D << " + defaults + " >> >>",
+      .objects = {"<< /Type /OCG /Name (Cut) >>", "<< /Type /OCG /Name (Notes) >>",
+                  "<< /Type /OCG /Name <FEFF00480069006400640065006E> >>",
+                  pdfForm("0 0 m 9 9 l S", "", "/OC 6 0 R")}};
 }
 
 TEST(Pdf, LayersNameProcesses) {
   const std::string colour = "0.2 0.4 0.6 RG ";
-  const Dieline dieline = readPage(
-      colour + "/OC /A BDC 0 0 m 9 9 l S /OC /B BDC 0 0 m 9 9 l S /P BMC 0 0 m 9 9 l S EMC EMC 0 0 m 9 9 l S EMC /F Do",
-      layered());
+  const Dieline dieline = readPage(colour +
+                                       "/OC /A BDC 0 0 m 9 9 l S /OC /B BDC 0 0 m 9 9 l S /P BMC 0 0 m 9 9 l "
+                                       "S EMC EMC 0 0 m 9 9 l S EMC /F Do",
+                                   layered());
   EXPECT_THAT(layersOf(dieline), ElementsAre("Cut", "Notes", "Notes", "Cut", "Notes"));
   EXPECT_EQ(processesOf(dieline), "cut ignore ignore cut ignore");
   EXPECT_THAT(dieline.notes, ElementsAre("Ignored by its rule: layer 'Notes', 3 lines."));
@@ -202,11 +220,13 @@ TEST(Pdf, ProcessingStepsAreProcesses) {
   EXPECT_EQ(processesOf(readPage(content, stepped("Structural", "Perforating"))), "perforation");
   EXPECT_EQ(processesOf(readPage(content, stepped("Structural", "Gluing"))), "ignore");
   EXPECT_EQ(processesOf(readPage(content, stepped("Varnish", ""))), "ignore");
-  EXPECT_THAT(layersOf(readPage(content, stepped("Structural", "Cutting"))), ElementsAre("Structural Cutting"));
+  EXPECT_THAT(layersOf(readPage(content, stepped("Structural", "Cutting"))),
+              ElementsAre("Structural Cutting"));
   const LayerProfile own{"own", {{"structural cutting", Process::kHalfCut}, {"crease", Process::kCrease}}};
   EXPECT_EQ(processesOf(readPage(content, stepped("Structural", "Cutting"), own)), "half-cut");
   // From the other side, or cut and crease in turn: a rule must say.
-  for (const char* type : {"ReverseCreasing", "ReversePartialCutting", "CuttingCreasing", "Drilling", "Novel"}) {
+  for (const char* type :
+       {"ReverseCreasing", "ReversePartialCutting", "CuttingCreasing", "Drilling", "Novel"}) {
     EXPECT_THAT(pageFaults(content, stepped("Structural", type)),
                 HasSubstr(fmt::format("give 'Structural {}' a rule", type)));
   }
@@ -218,8 +238,9 @@ TEST(Pdf, ProcessingStepsAreProcesses) {
 
 TEST(Pdf, SolidAndDashedStrokesOfOneLayerAreToldApart) {
   const std::string both = "1 0 0 RG 0 0 m 9 9 l S [3 2] 0 d 0 9 m 9 0 l S";
-  EXPECT_THAT(pageFaults(both), HasSubstr("'#ff0000' has solid and dashed strokes, and one rule for both; give the "
-                                          "dashed ones a rule of their own, '#ff0000 dashed'"));
+  EXPECT_THAT(pageFaults(both),
+              HasSubstr("'#ff0000' has solid and dashed strokes, and one rule for both; give the "
+                        "dashed ones a rule of their own, '#ff0000 dashed'"));
   const LayerProfile own{"own", {{"#ff0000", Process::kCut}, {"#FF0000 dashed", Process::kPerforation}}};
   EXPECT_EQ(processesOf(readPage(both, {}, own)), "cut perforation");
   EXPECT_EQ(processesOf(readPage("1 0 0 RG [3 2] 0 d 0 0 m 9 9 l S q 1 0 0 RG 0 9 m 9 0 l S Q")), "cut cut");
@@ -236,13 +257,15 @@ TEST(Pdf, WhatIsNoStrokeIsIgnoredByNameAndCount) {
                      .objects = {pdfStream("x", "/Subtype /Image /Width 1 /Height 1")}};
   const Dieline dieline = readPage(
       "1 0 0 RG 0 0 9 9 re f 0 0 9 9 re B* BT /F1 12 Tf (a \\) b) Tj [(c) -3 <64>] TJ ET /I Do /S sh\n"
-      "BI /W 1 /H 1 /IM true ID xEIy EI % a comment\n5 5 m 5 5 l S 7 7 m S /G gs 0 0 m 9 9 l S /Tag << /MCID 0 >> BDC "
+      "BI /W 1 /H 1 /IM true ID xEIy EI % a comment\n5 5 m 5 5 l S 7 7 m S /G gs 0 0 m 9 9 l S /Tag << /MCID "
+      "0 >> BDC "
       "EMC BX what EX",
       page);
   EXPECT_EQ(dieline.entities.size(), 4U);
-  EXPECT_THAT(dieline.notes,
-              ElementsAre("Ignored: 1 dots, 1 fills, 1 fills of stroked paths, 2 images, 1 shadings, 1 strokes of "
-                          "opacity 0, 2 texts, 1 annotations."));
+  EXPECT_THAT(
+      dieline.notes,
+      ElementsAre("Ignored: 1 dots, 1 fills, 1 fills of stroked paths, 2 images, 1 shadings, 1 strokes of "
+                  "opacity 0, 2 texts, 1 annotations."));
   EXPECT_THAT(readPage("0 0 9 9 re f").notes, Contains(HasSubstr("No line of the page is stroked")));
   EXPECT_THAT(pageFaults("/G gs 1 0 0 RG 0 0 m 9 9 l S",
                          {.resources = "/ExtGState << /G << /SMask << /S /Alpha >> >> >>"}),
@@ -251,7 +274,8 @@ TEST(Pdf, WhatIsNoStrokeIsIgnoredByNameAndCount) {
 
 TEST(Pdf, ClipsKeepWhatIsInside) {
   const auto read = [](const std::string& clip) {
-    return readPage("1 0 0 RG q " + clip + " W n 100 100 m 140 140 l S 300 300 40 40 re S Q 300 300 m 301 301 l S");
+    return readPage("1 0 0 RG q " + clip +
+                    " W n 100 100 m 140 140 l S 300 300 40 40 re S Q 300 300 m 301 301 l S");
   };
   EXPECT_EQ(read("90 90 60 60 re").entities.size(), 2U);
   EXPECT_THAT(read("90 90 60 60 re").notes, Contains(HasSubstr("4 lines outside of page or clip")));
@@ -261,7 +285,8 @@ TEST(Pdf, ClipsKeepWhatIsInside) {
   EXPECT_EQ(read("100 100 m 140 140 l 90 140 l h").entities.size(), 2U);
   EXPECT_EQ(read("50 50 150 150 re 80 80 90 90 re 290 290 60 60 re W* n 0 0 720 360 re").entities.size(), 5U);
   EXPECT_EQ(read("300 300 40 40 re").entities.size(), 5U);
-  for (const char* across : {"90 90 30 30 re", "0 0 m 240 0 l 0 240 l h", "90 120 m 120 90 200 200 90 200 c h"}) {
+  for (const char* across :
+       {"90 90 30 30 re", "0 0 m 240 0 l 0 240 l h", "90 120 m 120 90 200 200 90 200 c h"}) {
     EXPECT_THAT(pageFaults("1 0 0 RG q " + std::string(across) + " W n 100 100 m 140 140 l S Q"),
                 HasSubstr("path 1, from (35.278, 35.278) mm, is cut off by its clip"))
         << across;
@@ -276,11 +301,12 @@ TEST(Pdf, LinesAcrossTheEdgeOfThePageAreRefused) {
 }
 
 TEST(Pdf, FormsAreDrawnWithTheirMatrixAndBox) {
-  const PdfPage page{.resources = "/XObject << /F 5 0 R >>",
-                     .objects = {pdfStream("0 0 m 36 0 l S /G Do",
-                                           "/Subtype /Form /Matrix [0 1 -1 0 72 0] /BBox [-1 -1 40 40] /Resources << "
-                                           "/XObject << /G 6 0 R >> >>"),
-                                 pdfForm("q 50 50 m 60 60 l S 1 0 0 RG 10 10 m 20 10 l S Q Q Q EMC EMC")}};
+  const PdfPage page{
+      .resources = "/XObject << /F 5 0 R >>",
+      .objects = {pdfStream("0 0 m 36 0 l S /G Do",
+                            "/Subtype /Form /Matrix [0 1 -1 0 72 0] /BBox [-1 -1 40 40] /Resources << "
+                            "/XObject << /G 6 0 R >> >>"),
+                  pdfForm("q 50 50 m 60 60 l S 1 0 0 RG 10 10 m 20 10 l S Q Q Q EMC EMC")}};
   const Dieline dieline = readPage("0 0 1 RG q 2 0 0 2 0 0 cm /F Do Q 0 0 m 36 0 l S", page);
   ASSERT_EQ(dieline.entities.size(), 3U);
   EXPECT_EQ(processesOf(dieline), "crease cut crease");
@@ -292,9 +318,12 @@ TEST(Pdf, FormsAreDrawnWithTheirMatrixAndBox) {
 
 TEST(Pdf, OnlyOnePageIsADrawing) {
   const std::string leaf = "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 9 9] >>";
-  EXPECT_THAT(faultsOf(".pdf", pdfOf({"<< /Pages 2 0 R >>", "<< /Kids [3 0 R 4 0 R] /Count 2 >>", leaf, leaf})),
-              HasSubstr("has 2 pages, and a drawing is one; take it out with \"qpdf IN.pdf --pages . 1 -- OUT.pdf\""));
-  EXPECT_THAT(faultsOf(".pdf", pdfOf({"<< /Pages 2 0 R >>", "<< /Kids [2 0 R] >>"})), HasSubstr("has no page"));
+  EXPECT_THAT(
+      faultsOf(".pdf", pdfOf({"<< /Pages 2 0 R >>", "<< /Kids [3 0 R 4 0 R] /Count 2 >>", leaf, leaf})),
+      HasSubstr(
+          "has 2 pages, and a drawing is one; take it out with \"qpdf IN.pdf --pages . 1 -- OUT.pdf\""));
+  EXPECT_THAT(faultsOf(".pdf", pdfOf({"<< /Pages 2 0 R >>", "<< /Kids [2 0 R] >>"})),
+              HasSubstr("has no page"));
 }
 
 TEST(Pdf, ContentTellsTheFormatOfOtherExtensions) {

@@ -28,20 +28,19 @@ inline std::string pdfStream(const std::string& data, const std::string& keys = 
 
 /// What else a page of a test has.
 struct PdfPage {
-  std::string resources;               ///< Entries of its /Resources.
+  std::string resources;  ///< Entries of its /Resources.
   std::string keys = "/MediaBox [0 0 720 360]";
-  std::string catalogue;               ///< Entries of the catalogue.
-  std::vector<std::string> objects;    ///< From number 5 on.
+  std::string catalogue;             ///< Entries of the catalogue.
+  std::vector<std::string> objects;  ///< From number 5 on.
 };
 
 /// One page, by default of 10 x 5 inches.
 inline std::string pdfPage(const std::string& content, const PdfPage& page = {}) {
-  std::vector<std::string> objects{
-      "<< /Type /Catalog /Pages 2 0 R " + page.catalogue + " >>",
-      "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-      "<< /Type /Page /Parent 2 0 R /Contents 4 0 R /Resources << " + page.resources + " >> " + page.keys +
-          " >>",
-      pdfStream(content)};
+  std::vector<std::string> objects{"<< /Type /Catalog /Pages 2 0 R " + page.catalogue + " >>",
+                                   "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
+                                   "<< /Type /Page /Parent 2 0 R /Contents 4 0 R /Resources << " +
+                                       page.resources + " >> " + page.keys + " >>",
+                                   pdfStream(content)};
   objects.insert(objects.end(), page.objects.begin(), page.objects.end());
   return pdfOf(objects);
 }
