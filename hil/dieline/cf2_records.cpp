@@ -113,7 +113,7 @@ class Cf2Reader {
       }
     } else if (kind == "T") {
       ++file_.texts;
-      nextLine();  // Its words stand in the next line, whatever they look like.
+      nextLine();  // The words stand in the next line, whatever they look like.
     } else if (kind == "L") {
       addLine(fields);
     } else if (kind == "A") {

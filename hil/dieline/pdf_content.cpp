@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kMostOperators = 6'000'000;  // Of all forms as often as they are drawn.
+constexpr std::size_t kMostOperators = 6'000'000;  // Forms count as often as they are drawn.
 constexpr std::size_t kMostTokens = 16'000'000;    // A million curves have ten million.
 constexpr std::size_t kMostForms = 200'000;        // As often as they are drawn.
 constexpr double kFarthestPdf_mm = 1e6;
@@ -342,9 +342,7 @@ class PdfInterpreter {
 
   void setColour(const PdfColourSpace& space, const char* name) {
     state_.space = &space;
-    const auto take = [&](auto values) {
-      std::copy(values.begin(), values.end(), state_.components.begin());
-    };
+    const auto take = [&](auto v) { std::copy(v.begin(), v.end(), state_.components.begin()); };
     if (space.components == 1) take(operands_.numbers<1>(name));
     if (space.components == 3) take(operands_.numbers<3>(name));
     if (space.components == 4) take(operands_.numbers<4>(name));

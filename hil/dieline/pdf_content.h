@@ -14,7 +14,7 @@ namespace kerfbench::dieline {
 
 /// What a stroke is drawn with.
 struct PdfPaint {
-  const PdfColourSpace* space{};   ///< Of the stroke; the document's, or a device's.
+  const PdfColourSpace* space{};   ///< The stroke's; of the document, or of a device.
   std::vector<double> components;  ///< As many as the space has.
   bool is_dashed{};
   std::vector<std::size_t> groups;  ///< Layers around it, outermost first; places in PdfDocument::groups.
@@ -25,7 +25,7 @@ struct PdfPaint {
 struct PdfStroke {
   std::vector<Curve> curves;
   PdfPaint paint;
-  std::size_t number{};  ///< Of the painted path, counted from 1 over the page with its forms.
+  std::size_t number{};  ///< Number of the painted path, counted from 1 over the page with its forms.
 };
 
 /// What the page draws besides strokes that are seen, by name ("fills"), and how often.

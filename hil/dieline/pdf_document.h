@@ -60,9 +60,9 @@ struct PdfResources {
 /// The page's content, or a form's.
 struct PdfContent {
   std::string operators;                           ///< Unpacked.
-  Eigen::Affine2d X{Eigen::Affine2d::Identity()};  ///< Of a form into the content that draws it.
-  std::optional<Eigen::AlignedBox2d> box;          ///< Of a form; clips what it draws.
-  std::optional<PdfMembership> membership;         ///< Of a form.
+  Eigen::Affine2d X{Eigen::Affine2d::Identity()};  ///< A form's, into the content that draws it.
+  std::optional<Eigen::AlignedBox2d> box;          ///< A form's; clips what it draws.
+  std::optional<PdfMembership> membership;         ///< A form's.
   std::size_t resources{};                         ///< Place in PdfDocument::resources.
 };
 

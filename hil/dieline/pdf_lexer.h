@@ -12,7 +12,7 @@ struct PdfToken {
   enum class Kind { kNumber, kName, kString, kOpen, kClose, kOperator, kEnd, kBroken };
   Kind kind{Kind::kEnd};
   double number{};
-  std::string_view text;  ///< Of a name behind its slash, of an operator, of what is broken.
+  std::string_view text;  ///< The name behind its slash, the operator, or what is broken.
 };
 
 /// Takes a content stream apart. Strings and comments are passed over, arrays and dictionaries are told by

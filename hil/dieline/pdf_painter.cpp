@@ -8,8 +8,8 @@
 
 namespace kerfbench::dieline {
 namespace {
-constexpr std::size_t kMostClipPieces = 20'000;     // Of one clip.
-constexpr std::size_t kMostClipPoints = 2'000'000;  // Of all.
+constexpr std::size_t kMostClipPieces = 20'000;     // Most of one clip.
+constexpr std::size_t kMostClipPoints = 2'000'000;  // Most of all clips.
 constexpr std::size_t kMostClipWork = 50'000'000;   // Places looked at.
 constexpr const char* kIntricate = "its clip paths are too intricate";
 }  // namespace

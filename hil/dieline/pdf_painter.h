@@ -12,7 +12,7 @@ namespace kerfbench::dieline {
 /// How a stroke is seen where it is drawn.
 struct PdfLook {
   PdfPaint paint;
-  bool is_shown{true};   ///< By the layers around it.
+  bool is_shown{true};   ///< False if the layers around it are hidden.
   bool is_opaque{true};  ///< Not of opacity 0.
   bool has_mask{};       ///< Under a soft mask.
 };

@@ -23,7 +23,7 @@ bool isNothing(const Curve& curve) {
 }  // namespace
 
 void PdfPath::moveTo(const Vector2d& p_mm) {
-  // Of several points in a row only the last counts.
+  // The last of several points in a row counts.
   if (!steps_.empty() && steps_.back() == Step::kMove) {
     points_mm_.back() = p_mm;
   } else {

@@ -207,7 +207,7 @@ TEST_F(OtherWriters, PdfOfRsvg) {
     const auto svg = processesOfDrawing(fixture(name));
     const auto pdf = processesOfDrawing(file("a.pdf"));
     ASSERT_EQ(pdf.size(), svg.size());
-    // It writes by cairo, too.
+    // This program writes by cairo, too.
     for (const auto& [process, sum] : svg)
       EXPECT_NEAR(pdf.at(process).length_mm, sum.length_mm, 0.02) << name;
   }
