@@ -45,8 +45,8 @@ std::optional<std::array<double, N>> numbersOf(QPDFObjectHandle object) {
   return values;
 }
 
-std::optional<Eigen::AlignedBox2d> boxOf(QPDFObjectHandle object) {
-  const auto v = numbersOf<4>(std::move(object));
+std::optional<Eigen::AlignedBox2d> boxOf(const QPDFObjectHandle& object) {
+  const auto v = numbersOf<4>(object);
   if (!v) return std::nullopt;
   return Eigen::AlignedBox2d(Eigen::Vector2d(std::min((*v)[0], (*v)[2]), std::min((*v)[1], (*v)[3])),
                              Eigen::Vector2d(std::max((*v)[0], (*v)[2]), std::max((*v)[1], (*v)[3])));
@@ -210,7 +210,7 @@ class PdfLoader {
     set("/OFF", false);
   }
 
-  PdfMembership membershipOf(QPDFObjectHandle object) {
+  PdfMembership membershipOf(const QPDFObjectHandle& object) {
     PdfMembership result;
     const auto one = groups_.find(object.getObjGen());
     if (object.isIndirect() && one != groups_.end()) {
@@ -330,7 +330,7 @@ class PdfLoader {
     return known->second;
   }
 
-  void loadForm(std::size_t index, QPDFObjectHandle form) {
+  void loadForm(std::size_t index, const QPDFObjectHandle& form) {
     PdfContent content;
     append(form, content.operators);
     if (const auto m = numbersOf<6>(entry(form, "/Matrix"))) {
