@@ -14,6 +14,7 @@
 #include "hil/base/exit_codes.h"
 #include "hil/base/text.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/dieline/file_format.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 #include "hil/drawing/drawing_picture.h"
@@ -141,7 +142,7 @@ int drawDrawing(const ShowOptions& options) {
   }
   const drawing::PictureContent content{.title = options.subject.filename().string(),
                                         .findings = dieline::lintDieline(dieline),
-                                        .notes = {},
+                                        .notes = dieline.notes,
                                         .width_px = options.width_px};
   if (kind == ".svg") {
     base::writeFileAtomically(out, drawing::svgOf(dieline, content));
@@ -175,7 +176,7 @@ int showCommand(const ShowOptions& options) {
     complain("show: name a machine or a drawing, or --scenario (show --help)");
     return base::kExitUsage;
   }
-  if (dieline::isDrawing(options.subject)) return showDrawing(options);
+  if (dieline::fileFormatOf(options.subject)) return showDrawing(options);
   if (!std::ranges::all_of(options.at_s, [](double time_s) { return std::isfinite(time_s); })) {
     complain("show: --at takes seconds");
     return base::kExitUsage;

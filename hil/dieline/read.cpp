@@ -44,11 +44,6 @@ void checkRange(const Dieline& dieline, FaultList& faults) {
 
 }  // namespace
 
-bool isDrawing(const std::filesystem::path& path) {
-  const std::string extension = lowered(path.extension().string());
-  return extension == ".dxf" || extension == ".svg";
-}
-
 Dieline readDieline(const std::filesystem::path& path, const LayerProfile& profile) {
   FaultList faults(path.string());
   const std::string extension = lowered(path.extension().string());

@@ -35,9 +35,6 @@ class DielineError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// True if the file's name ends as drawings that can be read do: .dxf, .svg.
-bool isDrawing(const std::filesystem::path& path);
-
 /// Reads .dxf (ASCII, R12 to 2018) or .svg by its extension.
 /// @throws DielineError with everything wrong listed at once.
 Dieline readDieline(const std::filesystem::path& path, const LayerProfile& profile);

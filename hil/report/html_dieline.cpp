@@ -250,7 +250,7 @@ std::string drawingFigure(const RunReport& report) {
   if (dieline.entities.empty()) return {};
   const drawing::PictureContent content{.title = std::filesystem::path(dieline.path).filename().string(),
                                         .findings = dieline::lintDieline(dieline),
-                                        .notes = {},
+                                        .notes = dieline.notes,
                                         .width_px = 1000};
   std::string svg = drawing::svgOf(dieline, content);
   // A file of its own has to name the format; within a page nothing may lead outside.
