@@ -116,6 +116,10 @@ twin::ControllerDescription readController(base::YamlReader told, MachineDescrip
     result.focal_length_mm = told.number("focal_length_mm", {.min = 0, .max = 5000, .fallback = 0.0});
     result.mirror_acceleration_rad_s2 =
         told.number("mirror_acceleration_rad_s2", {.min = 0, .max = 1e6, .fallback = 0.0});
+    result.full_step_pulses = told.number("full_step_pulses", {.min = 0, .max = 1024, .fallback = 0.0});
+    result.detent_share = told.number("detent_share", {.min = -0.5, .max = 0.5, .fallback = 0.0});
+    result.rotor_resonance_hz = told.number("rotor_resonance_hz", {.min = 0, .max = 1000, .fallback = 0.0});
+    result.rotor_damping = told.number("rotor_damping", {.min = 0, .max = 0.9, .fallback = 0.0});
   } else {
     result.gantry_step_mm = told.number("gantry_step_mm", {.min = 1e-6, .max = 10});
   }

@@ -150,6 +150,7 @@ planner::MachineParameters plannerMachine(const Case& test_case) {
         std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(told.correction_file));
   }
   machine.mirror_acceleration_rad_s2 = told.mirror_acceleration_rad_s2;
+  machine.steppers = {told.full_step_pulses, told.detent_share, told.rotor_resonance_hz, told.rotor_damping};
   machine.gantry_step_mm = told.gantry_step_mm;
   for (const std::size_t i : {0U, 1U}) {
     machine.field_min_mm[i] = told.field_min_mm[i];

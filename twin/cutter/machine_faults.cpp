@@ -185,6 +185,10 @@ void findControllerFaults(FaultList& faults, const ControllerDescription& contro
   notNegative("mirror_step", controller.mirror_step_rad, "rad");
   notNegative("gantry_step", controller.gantry_step_mm, "mm");
   notNegative("mirror_acceleration", controller.mirror_acceleration_rad_s2, "rad/s²");
+  notNegative("full_step_pulses", controller.full_step_pulses, "pulses");
+  notNegative("rotor_resonance", controller.rotor_resonance_hz, "Hz");
+  faults.within("controller.detent_share", controller.detent_share, -0.5, 0.5, "");
+  faults.within("controller.rotor_damping", controller.rotor_damping, 0.0, 0.9, "");
   notNegative("tracking_delay", controller.tracking_delay_s, "s");
   notNegative("encoder_count", controller.encoder_count_mm, "mm");
   notNegative("feed_step", controller.feed_step_mm, "mm");

@@ -74,6 +74,11 @@ struct ControllerDescription {
   double focal_length_mm{};             ///< Focal length of an f-theta lens; 0: a head without one.
   std::string correction_file{};        ///< Correction table of what the head's formula leaves; empty: none.
   double mirror_acceleration_rad_s2{};  ///< Acceleration of each mirror, mechanical; 0: never the limit.
+  // Steppers of the mirrors.
+  double full_step_pulses{};    ///< Pulses for a full step; 0: the rotors are left to themselves.
+  double detent_share{};        ///< Detent torque over holding torque.
+  double rotor_resonance_hz{};  ///< Frequency of the rotor in its field; 0: not known.
+  double rotor_damping{};       ///< Share of critical, of the same.
   double gantry_step_mm{};
   /// Radius of the arcs of jumps; 0: straight jumps; -1: chosen by the size of the drawing.
   double jump_radius_mm{};

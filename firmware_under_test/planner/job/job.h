@@ -16,6 +16,17 @@ namespace kerfbench::planner {
 class CorrectionTable;
 class PowerModel;
 
+/// Stepper motors on the axes of a head with subdivision drives, as their data sheets have them: what the
+/// planner needs to lead the rotor and not only its field (head/stepper.h).
+struct StepperMotors {
+  double full_step_pulses{};  ///< Pulses for a full step; 0: no stepper, or nothing known of it.
+  /// Detent torque over holding torque, -0.5 … 0.5; negative: the motor wakes half of a full step beside the
+  /// place to which the magnets pull it without current.
+  double detent_share{};
+  double resonance_hz{};       ///< Frequency at which the rotor swings in its field; 0: not known.
+  double resonance_damping{};  ///< Share of critical, 0 … 0.9.
+};
+
 /// Configuration of the reference controller for its machine: data-sheet values that the operator typed in.
 /// The twin has its own values, and a difference between the two is a fault that the bench must see.
 struct MachineParameters {
@@ -27,6 +38,7 @@ struct MachineParameters {
   double mirror_step_rad{};    ///< Mechanical angle of one PUL; also with an f-theta lens.
   /// Mechanical acceleration of each mirror; 0: never the limit. Also with an f-theta lens.
   double mirror_acceleration_rad_s2{};
+  StepperMotors steppers{};  ///< Motors of both mirrors.
   // Two mirrors and an f-theta lens: x = f 2θx, y = f 2θy; the table corrects deviations of the real lens.
   double focal_length_mm{};  ///< Focal length f; > 0.
   // Gantry

@@ -10,11 +10,15 @@ namespace {
 constexpr double kMilli = 1e3;
 constexpr double kMicro = 1e6;
 
-constexpr std::array<ParameterName, 44> kParameterNames{{
+constexpr std::array<ParameterName, 48> kParameterNames{{
     {Parameter::kThrow, "--throw", "controller.throw_mm"},
     {Parameter::kMirrorSpacing, "--mirror-spacing", "controller.mirror_spacing_mm"},
     {Parameter::kMirrorStep, "--mirror-step", "controller.mirror_step_urad", kMicro},
     {Parameter::kMirrorAcceleration, "--mirror-acceleration", "controller.mirror_acceleration_rad_s2"},
+    {Parameter::kFullStepPulses, "--full-step-pulses", "controller.full_step_pulses"},
+    {Parameter::kDetentShare, "--detent-share", "controller.detent_share"},
+    {Parameter::kRotorResonance, "--rotor-resonance", "controller.rotor_resonance_hz"},
+    {Parameter::kRotorDamping, "--rotor-damping", "controller.rotor_damping"},
     {Parameter::kFocalLength, "--focal-length", "controller.focal_length_mm"},
     {Parameter::kGantryStep, "--gantry-step", "controller.gantry_step_mm"},
     {Parameter::kFieldX, "--x-min, --x-max", "controller.field_x_mm"},

@@ -25,6 +25,10 @@ std::vector<Rule> headRules(const MachineParameters& machine) {
           {"--focal-length", machine.head == Head::kFTheta, "is of --head f-theta"},
           {"--mirror-step", !gantry, "is of --head two-mirror and f-theta"},
           {"--mirror-acceleration", !gantry, "is of --head two-mirror and f-theta"},
+          {"--full-step-pulses", !gantry, "is of --head two-mirror and f-theta"},
+          {"--detent-share", !gantry, "is of --head two-mirror and f-theta"},
+          {"--rotor-resonance", !gantry, "is of --head two-mirror and f-theta"},
+          {"--rotor-damping", !gantry && machine.steppers.resonance_hz > 0.0, "needs --rotor-resonance"},
           {"--gantry-step", gantry, "is of --head gantry"}};
 }
 

@@ -136,6 +136,14 @@ void addMachine(CLI::App& app, Options& options) {
   option("--focal-length", m.focal_length_mm, "Of the lens, mm (f-theta)");
   option("--mirror-acceleration", m.mirror_acceleration_rad_s2,
          "Highest of either mirror, rad/s2 mechanical; 0: never the limit (two-mirror)");
+  option("--full-step-pulses", m.steppers.full_step_pulses,
+         "Steppers on the mirrors: pulses for a full step; 0: none (two-mirror, f-theta)");
+  option("--detent-share", m.steppers.detent_share,
+         "Their detent torque over their holding torque, which the steps then make up for; needs "
+         "--full-step-pulses");
+  option("--rotor-resonance", m.steppers.resonance_hz,
+         "Frequency of their rotors, Hz: steps are chosen so that these do not swing; 0: the nearest steps");
+  option("--rotor-damping", m.steppers.resonance_damping, "Damping of the same, share of critical");
   option("--gantry-step", m.gantry_step_mm, "Way of one step, mm (gantry)");
   option("--x-min", m.field_min_mm[0], "Reach of the beam upstream, mm");
   option("--x-max", m.field_max_mm[0], "Reach of the beam downstream, mm");

@@ -109,13 +109,36 @@ class JobChecker {
       notNegative(machine_.mirror_spacing_mm, Parameter::kMirrorSpacing);
       positive(machine_.mirror_step_rad, Parameter::kMirrorStep, 0.1, 1e-9);
       notNegative(machine_.mirror_acceleration_rad_s2, Parameter::kMirrorAcceleration);
+      checkSteppers();
     } else if (machine_.head == MachineParameters::Head::kFTheta) {
       positive(machine_.focal_length_mm, Parameter::kFocalLength, 1e6, 0.1);
       positive(machine_.mirror_step_rad, Parameter::kMirrorStep, 0.1, 1e-9);
       notNegative(machine_.mirror_acceleration_rad_s2, Parameter::kMirrorAcceleration);
+      checkSteppers();
     } else {
       positive(machine_.gantry_step_mm, Parameter::kGantryStep, 1e3, 1e-6);
     }
+  }
+
+  void checkSteppers() {
+    const StepperMotors& motors = machine_.steppers;
+    notNegative(motors.full_step_pulses, Parameter::kFullStepPulses);
+    notNegative(motors.resonance_hz, Parameter::kRotorResonance);
+    check(std::abs(motors.detent_share) <= 0.5,
+          fmt::format("{} must be in -0.5 … 0.5, but is {:g}", named(Parameter::kDetentShare),
+                      motors.detent_share));
+    check(motors.resonance_damping >= 0.0 && motors.resonance_damping <= 0.9,
+          fmt::format("{} must be in 0 … 0.9, but is {:g}", named(Parameter::kRotorDamping),
+                      motors.resonance_damping));
+    check(motors.detent_share == 0.0 || motors.full_step_pulses > 0.0,
+          fmt::format("{} needs {}: the magnets' pull repeats with each full step",
+                      named(Parameter::kDetentShare), named(Parameter::kFullStepPulses)));
+    const double most_hz = 0.5 / machine_.target.periodS();
+    check(!(motors.resonance_hz > most_hz),
+          fmt::format(
+              "{} is {:g} Hz, but steps in periods of {:g} ms lead no swing above {:g} Hz: leave it out",
+              named(Parameter::kRotorResonance), motors.resonance_hz, machine_.target.periodS() * 1e3,
+              most_hz));
   }
 
   void checkField() {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -14,184 +15,13 @@
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/program/payload.h"
 #include "firmware_under_test/planner/program/power_payload.h"
+#include "firmware_under_test/planner/program/writer.h"
 
 namespace kerfbench::planner {
 namespace {
 
 using Eigen::Vector2d;
 using Op = Payload;
-
-/// Share of change above which the gain is sent anew.
-constexpr double kGainShare = 0.002;
-
-/// Periods for which the spot stays that are many: their mean is what the sheet gets.
-constexpr double kManyPeriods = 8.0;
-
-/// Writes periods and keeps the positions of the axes.
-class Writer {
- public:
-  Writer(const Axes& axes, const MachineParameters& machine, const JobParameters& job, double belt_speed_mm_s)
-      : axes_(axes),
-        machine_(machine),
-        job_(job),
-        v_(belt_speed_mm_s),
-        period_s_(axes.periodS()),
-        p_W_mm_(axes.wakesAt()) {}
-
-  /// Writes one period that ends with the beam at p_W; `mark` is on the sheet, if the laser is on.
-  void period(const Vector2d& p_W_mm, const Sample* mark, int entity) {
-    const Vector2d wanted = axes_.stepsAt(p_W_mm);
-    int count[2];
-    for (int i = 0; i < 2; ++i) {
-      const int to = static_cast<int>(std::lround(wanted[i]));
-      count[i] = to - steps_[i];
-      steps_[i] = to;
-      const auto axis = static_cast<std::size_t>(axes_.firstAxis() + i);
-      const int most = axes_.pulses().most_steps[axis];
-      if (std::abs(count[i]) > most) {
-        throw PlanError(
-            fmt::format("E{}: axis {} would need {} steps in one period of {:g} ms; the limit is {}", entity,
-                        i == 0 ? 'x' : 'y', count[i], period_s_ * 1e3, most));
-      }
-    }
-    for (int i = 0; i < 2; ++i) checkTurn(i, count[i], entity);
-    std::uint8_t mask = 0;
-    Op op(1);  // The operation itself comes last, when its mask is known.
-    const auto axis = [&](int number, int steps) {
-      if (steps == 0) return;
-      mask = static_cast<std::uint8_t>(mask | (1U << static_cast<unsigned>(number)));
-      op.push_back(static_cast<std::uint8_t>(static_cast<std::int8_t>(steps)));
-    };
-    axis(axes_.firstAxis(), count[0]);
-    axis(axes_.firstAxis() + 1, count[1]);
-    axis(KB_FEED, feedSteps());
-    if (mark != nullptr && mark->marked_mm > 0.0) {
-      mask |= KB_OP_POWER;
-      op.push_back(powerOf(*mark));
-    } else {
-      owed_w_ = 0.0;
-    }
-    if (following_) {
-      const double gain = axes_.xStepsPerMm(p_W_mm) * machine_.encoder_count_mm * 4096.0;
-      if (std::abs(gain - gain_) > kGainShare * gain) {
-        gain_ = gain;
-        mask |= KB_OP_GAIN;
-        append(op, static_cast<std::uint64_t>(std::lround(gain)), 2);
-      }
-    }
-    op[0] = static_cast<std::uint8_t>(KB_OP_MOVE | mask);
-    ops_.push_back(std::move(op));
-    p_W_mm_ = p_W_mm;
-  }
-
-  void hold(int periods) {
-    for (int i = 0; i < periods; ++i) period(p_W_mm_, nullptr, -1);
-  }
-
-  void reposition(const Vector2d& to_W_mm, double v0_mm_s) {
-    const Reposition move(p_W_mm_, v0_mm_s, to_W_mm, job_, axes_);
-    for (int k = 1; k <= move.periods(); ++k) period(move.at(k), nullptr, -1);
-  }
-
-  void waitMark(std::int32_t offset) {
-    Op op(1, KB_OP_WAIT_MARK);
-    append(op, static_cast<std::uint32_t>(offset), 4);
-    ops_.push_back(std::move(op));
-  }
-
-  void follow(bool on) {
-    following_ = on;
-    Op op(2, KB_OP_FOLLOW);
-    op[1] = static_cast<std::uint8_t>(on ? axes_.firstAxis() + 1 : 0);
-    ops_.push_back(std::move(op));
-  }
-
-  void startFeed() { feed_target_ = v_; }
-  void stopFeed() { feed_target_ = 0.0; }
-  /// Feeds one pitch from rest to rest during the next periods.
-  void feedPitch() { pitch_period_ = 0; }
-  [[nodiscard]] bool feedsPitch() const { return pitch_period_.has_value(); }
-  [[nodiscard]] bool feedAtTarget() const { return feed_speed_ == feed_target_; }
-  [[nodiscard]] double feedMm() const { return feed_mm_; }
-  [[nodiscard]] const Vector2d& at() const { return p_W_mm_; }
-
-  std::vector<Op> finish() {
-    ops_.emplace_back(1, KB_OP_END);
-    return std::move(ops_);
-  }
-
- private:
-  /// PWM byte of a mark. Where the spot stays for many periods, what rounding left of the energy of one is
-  /// owed to the next: a step of the PWM is little of a fast beam's power and much of a slow one's.
-  std::uint8_t powerOf(const Sample& mark) {
-    if (!job_.power)
-      return static_cast<std::uint8_t>(std::lround(std::min(powerByte(mark, machine_, job_), 255.0)));
-    const PowerModel& model = *job_.power;
-    const double power_w = powerSetting(mark, machine_, job_).power_w;
-    if (mark.marked_mm / mark.z * kManyPeriods > model.wish().spot_diameter_mm) owed_w_ = 0.0;
-    const double wanted_w = std::clamp(power_w + owed_w_, model.laser().least_w, model.laser().most_w);
-    const std::uint8_t byte = model.byteFor(model.laser().power.inverse(wanted_w).value());
-    owed_w_ += power_w - model.powerOf(byte);
-    return byte;
-  }
-
-  /// Refuses a turn that the firmware would delay to set DIR up and hold it as long as the drive needs: the
-  /// beam would be late.
-  void checkTurn(int axis, int count, int entity) {
-    const int turn = axes_.pulses().turn_steps[static_cast<std::size_t>(axes_.firstAxis() + axis)];
-    const int before = std::exchange(count_before_[axis], count);
-    if (before * count >= 0 || (std::abs(before) <= turn && std::abs(count) <= turn)) return;
-    throw PlanError(
-        fmt::format("E{}: axis {} turns round from {} to {} steps in a period of {:g} ms; its drive allows "
-                    "{} for the time that "
-                    "DIR must be stable: accelerate less",
-                    entity, "xy"[axis], before, count, period_s_ * 1e3, turn));
-  }
-
-  /// The belt's ramps are straight in speed and take whole periods.
-  int feedSteps() {
-    if (pitch_period_) {
-      ++*pitch_period_;
-      const double to_mm = pitches_ * job_.pitch_mm + feedOfPitch(job_).at(*pitch_period_ * period_s_);
-      if (*pitch_period_ >= feedOfPitchPeriods(job_, period_s_)) {
-        pitch_period_.reset();
-        ++pitches_;
-      }
-      return feedTo(to_mm);
-    }
-    if (feed_speed_ == 0.0 && feed_target_ == 0.0) return 0;
-    const double step = v_ / std::max(1, feedRampPeriods(v_, job_, period_s_));
-    const double before = feed_speed_;
-    feed_speed_ += std::clamp(feed_target_ - feed_speed_, -step, step);
-    if (std::abs(feed_speed_ - feed_target_) < 1e-6 * v_) feed_speed_ = feed_target_;
-    feed_mm_ += 0.5 * (before + feed_speed_) * period_s_;
-    return feedTo(feed_mm_);
-  }
-
-  int feedTo(double belt_mm) {
-    const long to = std::lround(belt_mm / machine_.feed_step_mm);
-    const int count = static_cast<int>(to - feed_steps_);
-    feed_steps_ = to;
-    return count;
-  }
-
-  const Axes& axes_;
-  const MachineParameters& machine_;
-  const JobParameters& job_;
-  double v_;
-  double period_s_;
-  std::vector<Op> ops_;
-  Vector2d p_W_mm_;
-  int steps_[2]{};
-  int count_before_[2]{};
-  bool following_{false};
-  double gain_{};
-  double feed_speed_{}, feed_target_{}, feed_mm_{};
-  std::optional<int> pitch_period_;  // Period of the feed by one pitch that is under way.
-  int pitches_{};
-  double owed_w_{};  // Power of one period that rounding has left.
-  long feed_steps_{};
-};
 
 /// Layout for a release that ignores the belt: the unit stays where it lay when it would have been half done.
 UnitLayout frozen(const UnitPath& unit, UnitLayout layout, const MachineParameters& machine) {
@@ -277,13 +107,18 @@ Reach reachOf(const Axes& axes, const MachineParameters& machine) {
 /// the following axis away from its plan, which may use the field to its edge.
 void appendField(Op& config, const Axes& axes, const MachineParameters& machine, bool follows) {
   constexpr double kWaverMm = 0.5;
+  // Places that steppers are commanded to so that their rotors run as wanted.
+  const StepperMotors& motors = machine.steppers;
+  const double beside = (motors.resonance_hz > 0.0 ? 2.0 : 0.0) + std::asin(std::abs(motors.detent_share)) *
+                                                                      2.0 / std::numbers::pi *
+                                                                      motors.full_step_pulses;
   const Reach reach = reachOf(axes, machine);
   std::array<std::int32_t, KB_AXES> low{}, high{};
   low.fill(std::numeric_limits<std::int32_t>::min());
   high.fill(std::numeric_limits<std::int32_t>::max());
   for (int i = 0; i < 2; ++i) {
     const auto axis = static_cast<std::size_t>(axes.firstAxis() + i);
-    const double waver = i == 0 && follows ? kWaverMm * axes.xStepsPerMm(Vector2d::Zero()) : 0.0;
+    const double waver = beside + (i == 0 && follows ? kWaverMm * axes.xStepsPerMm(Vector2d::Zero()) : 0.0);
     const auto step = [](double steps) { return static_cast<std::int32_t>(std::clamp(steps, -2e9, 2e9)); };
     low.at(axis) = step(std::floor(reach.low[i] - waver));
     high.at(axis) = step(std::ceil(reach.high[i] + waver));
