@@ -41,6 +41,9 @@ PAGES = {
     "validate": Page("twin/VALIDATION.md", "./bench validate", "twin tests/validation"),
     "limits": Page("tests/limits/RESULTS.md", "./bench limits",
                    "hil/evidence hil/inspect hil/judge hil/vision tests/limits"),
+    "belt-speeds": Page("docs/explanation/belt-speeds.md", "./bench belt-speeds",
+                        "firmware_under_test/planner/head firmware_under_test/planner/program tests/belt_speeds "
+                        "fixtures/machines/two-mirror-geared.yaml"),
     "tamper": Page("tests/tamper/RESULTS.md", "./bench tamper",
                    "hil/evidence hil/inspect hil/judge hil/report hil/source hil/vision tests/tamper"),
     "witness": Page("tests/witness/RESULTS.md", "./bench witness",

@@ -54,9 +54,9 @@ TEST_F(MachineFileTest, TheTwoMirrorMachineReads) {
 }
 
 TEST_F(MachineFileTest, EveryMachineOfTheHouseCanRun) {
-  for (const char* name : {"two-mirror", "two-mirror-linecutter", "two-mirror-stepper", "two-mirror-slow",
-                           "two-mirror-fast", "two-mirror-100", "two-mirror-300", "two-mirror-800",
-                           "f-theta-300", "f-theta-300-mounted", "strip-gantry"}) {
+  for (const char* name : {"two-mirror", "two-mirror-linecutter", "two-mirror-stepper", "two-mirror-geared",
+                           "two-mirror-slow", "two-mirror-fast", "two-mirror-100", "two-mirror-300",
+                           "two-mirror-800", "f-theta-300", "f-theta-300-mounted", "strip-gantry"}) {
     const MachineDescription machine = readMachine(base::fixture(std::string("machines/") + name + ".yaml"));
     EXPECT_EQ(machine.name, name);
     EXPECT_NO_THROW(twin::Twin(machine, twin::WebDescription{}, TickRate{})) << name;
