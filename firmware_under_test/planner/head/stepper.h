@@ -78,7 +78,7 @@ class StepChoice {
   double decay_;                                 ///< 1/s
   double frequency_;                             ///< Damped, rad/s.
   Swing part_{};                                 ///< Factor of a swing through a part of a period.
-  std::vector<std::array<Kick, kParts>> kicks_;  ///< By the number of steps, all forwards.
+  std::vector<std::array<Kick, kParts>> kicks_;  ///< Index: number of steps, all forwards.
 };
 
 }  // namespace kerfbench::planner
