@@ -32,7 +32,8 @@ class GearedSteppers : public testing::Test {
   }
   [[nodiscard]] nlohmann::json verdict() const { return verdictOf(scratch_.path() / "run"); }
   [[nodiscard]] double value(const std::string& check) const {
-    for (const auto& c : verdict().at("checks"))
+    const nlohmann::json whole = verdict();
+    for (const auto& c : whole.at("checks"))
       if (c.at("name") == check) return c.at("value");
     ADD_FAILURE() << "no check " << check;
     return 0.0;
