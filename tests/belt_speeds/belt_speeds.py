@@ -102,14 +102,14 @@ def runs_of(quick):
 
 def panel(lines, runs, top, title):
     """One panel of the plot: path and joints with their U over the speed of the belt."""
-    left, width, height, most_mm, most_v = 60, 600, 220, 0.12, 80.0
+    left, width, height, most_mm, most_v = 60, 600, 220, 0.12, 90.0
     across = lambda v: left + width * v / most_v
     up = lambda mm: top + height * (1.0 - min(max(mm, 0.0), most_mm) / most_mm)
     lines.append(f'<text x="{left}" y="{top - 8}" font-weight="bold">{title}</text>')
     lines.append(f'<rect x="{left}" y="{top}" width="{width}" height="{height}" fill="none" stroke="#888"/>')
     for mm in (0.0, 0.02, 0.04, 0.06, 0.08, 0.10, 0.12):
         lines.append(f'<text x="{left - 6}" y="{up(mm) + 4:.1f}" text-anchor="end">{mm:.2f}</text>')
-    for v in range(0, 81, 10):
+    for v in range(0, 91, 10):
         lines.append(f'<text x="{across(v):.1f}" y="{top + height + 16}" text-anchor="middle">{v}</text>')
     lines.append(f'<line x1="{left}" x2="{left + width}" y1="{up(LIMIT_MM):.1f}" y2="{up(LIMIT_MM):.1f}" stroke="#c00" '
                  'stroke-dasharray="6 4"/>')
