@@ -11,6 +11,7 @@
 
 #include "hil/app/ci_variable.h"
 #include "hil/app/cli.h"
+#include "hil/app/fold_command.h"
 #include "hil/app/instrument_program.h"
 #include "hil/app/lint_command.h"
 #include "hil/app/motion_command.h"
@@ -150,6 +151,27 @@ void addMotion(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(motion, [=] { return motionCommand(*options); });
 }
 
+void addFold(CLI::App& app, const CliProgram& program, CliActions& actions) {
+  const auto options = std::make_shared<fold::FoldOptions>();
+  options->command_line = program.command_line;
+  options->jobs = program.jobs;
+  CLI::App* command = app.add_subcommand(
+      "fold",
+      "Run five-axis cuts (X Y Z A C) over a folded blank: the model cuts it, its cameras look at it, and the\n"
+      "distance of the cut's edge from the contour in space is judged; docs/how-to/fold-in-space.md.");
+  command->add_option("SCENARIO", options->scenarios, "Scenario files (fixtures/scenarios/fold/*.yaml)")
+      ->required();
+  command
+      ->add_option("--results-dir,-o", options->out,
+                   "Folder for the results; of several scenarios each has one of its name in it")
+      ->capture_default_str();
+  command->add_option("--jobs,-j", options->jobs, "Threads; the results are the same at any number")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_flag("--quiet,-q", options->quiet, "Only the verdict");
+  actions.add(command, [=] { return foldCommand(*options); });
+}
+
 void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   CLI::App* lint =
       app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg, .pdf, .cf2)");
@@ -177,6 +199,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
   addReplay(app, program, actions);
   addVerify(app, program, actions);
   addMotion(app, program, actions);
+  addFold(app, program, actions);
   addRecordFrames(app, program, actions);
   addCapture(app, program, actions);
   addLint(app, program, actions);
