@@ -27,7 +27,7 @@ struct ExpectedFace {
   Eigen::Isometry3d X_WF{Eigen::Isometry3d::Identity()};    ///< z is the normal on the print's side.
   const PrintLayout* print{};                               ///< One unit; its S is F.
   double print_sigma_mm{};                                  ///< Of a mark's place, per axis.
-  double search_mm{2.5};  ///< Farthest that a mark may lie from where it should, in the face's plane.
+  double search_mm{1.5};  ///< Farthest that a mark may lie from where it should, in the face's plane.
 };
 
 /// A small motion: turn about a point (rad, as a rotation vector in W) and shift (mm).
