@@ -88,8 +88,7 @@ class Reader {
     }
     if (!moves_any) return {};
     if (!cuts_) return "a move before the first G00";
-    if (moves.empty() && (*cuts_ || !names_all))
-      return "the first move must be a G00 to X, Y, Z, A and C";
+    if (moves.empty() && (*cuts_ || !names_all)) return "the first move must be a G00 to X, Y, Z, A and C";
     moves.push_back({{Eigen::Vector3d(at_[0], at_[1], at_[2]), kDegree * at_[3], kDegree * at_[4]}, *cuts_});
     return {};
   }

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "twin/base/random.h"
 #include "hil/fold/fold_units.h"
+#include "twin/base/random.h"
 
 namespace kerfbench::fold {
 namespace {
@@ -110,7 +110,8 @@ FoldBlank readBlank(base::YamlReader& file) {
       placed.drawn = placed.standing = readPlace(section);
       const auto box = section.numbers("outline_mm", 4, {.min = -kMost_mm, .max = kMost_mm});
       placed.outline = Eigen::AlignedBox2d(Vector2d(box[0], box[1]), Vector2d(box[2], box[3]));
-      if (placed.outline.isEmpty()) section.fault("outline_mm", "must be least x, least y, largest x, largest y");
+      if (placed.outline.isEmpty())
+        section.fault("outline_mm", "must be least x, least y, largest x, largest y");
     } else {
       placed = readFolded(section, blank);
     }

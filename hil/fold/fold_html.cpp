@@ -19,18 +19,21 @@ std::string checksTable(const inspect::SpaceResult& result) {
   std::string rows;
   for (const inspect::Check& check : result.checks) {
     rows += fmt::format(
-        "<tr><td>{}</td><td class=\"{}\">{}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:g}</td><td>{}</td></tr>\n",
+        "<tr><td>{}</td><td "
+        "class=\"{}\">{}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:g}</td><td>{}</td></tr>\n",
         escapeHtml(check.title), report::verdictClass(check.verdict), inspect::verdictName(check.verdict),
         check.value, check.u, check.limit, escapeHtml(check.subject + ". " + check.explanation));
   }
-  return "<table><tr><th>check</th><th>verdict</th><th>value, mm</th><th>U (k = 2)</th><th>limit</th><th>where "
+  return "<table><tr><th>check</th><th>verdict</th><th>value, mm</th><th>U (k = "
+         "2)</th><th>limit</th><th>where "
          "and why</th></tr>\n" +
          rows + "</table>\n";
 }
 
 std::string problemsList(const inspect::SpaceResult& result) {
   std::string items;
-  for (const std::string& problem : result.problems) items += fmt::format("<li>{}</li>\n", escapeHtml(problem));
+  for (const std::string& problem : result.problems)
+    items += fmt::format("<li>{}</li>\n", escapeHtml(problem));
   return items.empty() ? "" : "<ul>\n" + items + "</ul>\n";
 }
 
@@ -72,11 +75,12 @@ std::string foldHtml(const FoldReport& report) {
                       report::verdictClass(result.verdict), escapeHtml(foldSentence(report)));
   html += report::htmlSection("Evidence that cannot be trusted", problemsList(result));
   html += report::htmlSection(
-      "The cut", foldPicture(report, kTimes) +
-                     fmt::format("<p>The contour (line) and the measured edge (dots), whose distance from it is "
-                                 "drawn {:g} times as large. Green: within half of the limit of {:g} mm; red: "
-                                 "beyond it. Near folds and corners red is board lost from the piece.</p>",
-                                 kTimes, report.scenario.limits.path_mm));
+      "The cut",
+      foldPicture(report, kTimes) +
+          fmt::format("<p>The contour (line) and the measured edge (dots), whose distance from it is "
+                      "drawn {:g} times as large. Green: within half of the limit of {:g} mm; red: "
+                      "beyond it. Near folds and corners red is board lost from the piece.</p>",
+                      kTimes, report.scenario.limits.path_mm));
   html += report::htmlSection("Checks", checksTable(result));
   html += report::htmlSection("Faces as they stood", facesTable(report));
   std::string pictures;
@@ -84,8 +88,7 @@ std::string foldHtml(const FoldReport& report) {
     if (picture.width > 0) pictures += thumbnail(picture);
   }
   html += report::htmlSection("Survey pictures", pictures);
-  html += report::htmlSection(
-      "Program", "<pre>" + escapeHtml(report.scenario.program) + "</pre>");
+  html += report::htmlSection("Program", "<pre>" + escapeHtml(report.scenario.program) + "</pre>");
   return html + std::string(report::kHtmlPageEnd);
 }
 

@@ -25,11 +25,16 @@ ordered_json number(double value) {
 ordered_json vectorJson(const Eigen::Vector3d& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
 
 ordered_json checkJson(const inspect::Check& check) {
-  return {{"name", check.name},       {"title", check.title},
-          {"subject", check.subject}, {"unit", check.unit},
-          {"value", number(check.value)}, {"U", number(check.u)},
-          {"limit", number(check.limit)}, {"guard", number(check.guard)},
-          {"verdict", inspect::verdictName(check.verdict)}, {"explanation", check.explanation}};
+  return {{"name", check.name},
+          {"title", check.title},
+          {"subject", check.subject},
+          {"unit", check.unit},
+          {"value", number(check.value)},
+          {"U", number(check.u)},
+          {"limit", number(check.limit)},
+          {"guard", number(check.guard)},
+          {"verdict", inspect::verdictName(check.verdict)},
+          {"explanation", check.explanation}};
 }
 
 ordered_json faceJson(const inspect::SpaceFace& face, const inspect::FaceEvidence& evidence) {
@@ -65,9 +70,12 @@ ordered_json worstJson(const inspect::WorstDistance& worst) {
   constexpr std::array kSources{"survey", "kerf_pose", "kerf_width", "kerf_scale", "flanks"};
   ordered_json sources;
   for (std::size_t i = 0; i < kSources.size(); ++i) sources[kSources[i]] = number(worst.source_u_mm.at(i));
-  return {{"value_mm", number(worst.value.value)},   {"U_mm", number(worst.value.U)},
-          {"as_read_mm", number(worst.as_read_mm)},  {"readings", worst.readings},
-          {"noise_u_mm", number(worst.noise_u_mm)},  {"shared_u_mm", number(worst.shared_u_mm)},
+  return {{"value_mm", number(worst.value.value)},
+          {"U_mm", number(worst.value.U)},
+          {"as_read_mm", number(worst.as_read_mm)},
+          {"readings", worst.readings},
+          {"noise_u_mm", number(worst.noise_u_mm)},
+          {"shared_u_mm", number(worst.shared_u_mm)},
           {"source_u_mm", sources}};
 }
 
@@ -83,8 +91,8 @@ std::string foldSentence(const FoldReport& report) {
   }
   if (shown == nullptr) return verdict + ".";
   const std::string where = shown->subject.empty() ? "" : fmt::format(" ({})", shown->subject);
-  return fmt::format("{}: {}: {:.4f} mm, U {:.4f}, limit {:g}{}.", verdict, shown->title, shown->value, shown->u,
-                     shown->limit, where);
+  return fmt::format("{}: {}: {:.4f} mm, U {:.4f}, limit {:g}{}.", verdict, shown->title, shown->value,
+                     shown->u, shown->limit, where);
 }
 
 std::string foldJson(const FoldReport& report) {
@@ -120,7 +128,8 @@ std::string foldJunit(const FoldReport& report) {
   int failures = 0;
   int errors = 0;
   const auto add = [&](const std::string& name, inspect::Verdict verdict, const std::string& message) {
-    cases += fmt::format(R"(  <testcase classname="{}" name="{}")", base::escapeHtml(report.scenario.name), name);
+    cases +=
+        fmt::format(R"(  <testcase classname="{}" name="{}")", base::escapeHtml(report.scenario.name), name);
     if (verdict == inspect::Verdict::kPass) {
       cases += "/>\n";
       return;

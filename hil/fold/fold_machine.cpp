@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "hil/calibrate/files/calibration_file.h"
-#include "hil/machine_file/machine_file.h"
 #include "hil/fold/fold_units.h"
+#include "hil/machine_file/machine_file.h"
 
 namespace kerfbench::fold {
 namespace {
@@ -71,7 +71,8 @@ std::vector<SurveyCamera> readSurvey(base::YamlReader& file) {
   return cameras;
 }
 
-FoldKerfCamera readKerfCamera(const std::filesystem::path& machine, std::vector<std::filesystem::path>& inputs) {
+FoldKerfCamera readKerfCamera(const std::filesystem::path& machine,
+                              std::vector<std::filesystem::path>& inputs) {
   const machine_file::MachineFile file = machine_file::readMachineFile(machine);
   FoldKerfCamera kerf;
   kerf.camera = file.machine.kerf_camera;
@@ -98,8 +99,7 @@ void readHead(base::YamlReader& file, FoldMachine& machine) {
   head.power_follows_speed = laser.boolean("power_follows_speed", true);
   base::YamlReader beam = file.section("beam");
   head.waist_radius_mm = beam.number("waist_radius_mm", {.min = 0.031, .max = 2});
-  machine.beam_radius_sigma =
-      0.01 * beam.number("radius_percent", {.min = 0.1, .max = 50, .fallback = 5.0});
+  machine.beam_radius_sigma = 0.01 * beam.number("radius_percent", {.min = 0.1, .max = 50, .fallback = 5.0});
   head.rayleigh_mm = beam.number("rayleigh_mm", {.min = 0.1, .max = 1e4});
   head.errors = readErrors(file.section("errors"), {});
 }
@@ -109,9 +109,9 @@ void readHead(base::YamlReader& file, FoldMachine& machine) {
 twin::FiveAxisErrors readErrors(base::YamlReader section, const twin::FiveAxisErrors& known) {
   constexpr double kMost_deg = 5.0;
   const auto degrees = [&](const char* key, double known_rad, bool both_ways) {
-    return kDegree * section.number(key, {.min = both_ways ? -kMost_deg : 0.0,
-                                          .max = kMost_deg,
-                                          .fallback = known_rad / kDegree});
+    return kDegree *
+           section.number(
+               key, {.min = both_ways ? -kMost_deg : 0.0, .max = kMost_deg, .fallback = known_rad / kDegree});
   };
   twin::FiveAxisErrors errors;
   errors.pivot_mm = section.number("pivot_mm", {.min = -5, .max = 5, .fallback = known.pivot_mm});

@@ -91,7 +91,8 @@ std::string foldPicture(const FoldReport& report, double times) {
   std::vector<Vector2d> contour;
   for (const inspect::ContourPoint& point : report.scenario.contour)
     contour.push_back(projection.at(point.p_W_mm));
-  svg += fmt::format(R"(<polyline points="{}" fill="none" stroke="#246" stroke-width="1"/>)", pointsOf(contour));
+  svg +=
+      fmt::format(R"(<polyline points="{}" fill="none" stroke="#246" stroke-width="1"/>)", pointsOf(contour));
   for (const inspect::EdgeReading& reading : report.judgement.result.readings) {
     if (!reading.found) continue;
     const std::size_t point = job.lines[reading.line].point;
@@ -100,11 +101,10 @@ std::string foldPicture(const FoldReport& report, double times) {
     const Vector3d foot = from + along.dot(reading.edge_W_mm - from) * along;
     const Vector2d p = projection.at(foot + times * (reading.edge_W_mm - foot));
     const bool judged = reading.zone == inspect::EdgeZone::kAlong;
-    const std::size_t bin =
-        report::limitBin(judged ? reading.distance_mm() : std::min(0.0, reading.beside_mm),
-                         report.scenario.limits.path_mm);
-    svg += fmt::format(R"(<circle cx="{:.1f}" cy="{:.1f}" r="1.6" fill="{}"/>)", p.x(), p.y(),
-                       kColours.at(bin));
+    const std::size_t bin = report::limitBin(
+        judged ? reading.distance_mm() : std::min(0.0, reading.beside_mm), report.scenario.limits.path_mm);
+    svg +=
+        fmt::format(R"(<circle cx="{:.1f}" cy="{:.1f}" r="1.6" fill="{}"/>)", p.x(), p.y(), kColours.at(bin));
   }
   return svg + "</svg>";
 }

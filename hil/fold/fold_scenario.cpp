@@ -17,7 +17,6 @@
 namespace kerfbench::fold {
 namespace {
 
-
 std::string contentOf(const std::filesystem::path& path) {
   const auto content = base::fileContent(path);
   if (!content) throw base::InputError(fmt::format("{}: cannot be read", path.string()));
@@ -26,7 +25,8 @@ std::string contentOf(const std::filesystem::path& path) {
 
 twin::BoardDescription readBoard(base::YamlReader section) {
   twin::BoardDescription board;
-  board.thickness_mm = section.number("thickness_mm", {.min = 0.05, .max = 2, .fallback = board.thickness_mm});
+  board.thickness_mm =
+      section.number("thickness_mm", {.min = 0.05, .max = 2, .fallback = board.thickness_mm});
   board.cut_fluence_j_mm2 =
       section.number("cut_fluence_j_mm2", {.min = 0.01, .max = 100, .fallback = board.cut_fluence_j_mm2});
   board.transmission =
@@ -87,7 +87,7 @@ Read readFile(base::YamlReader& file) {
   read.machine = file.folderOf("machine") / file.text("machine");
   read.contour = file.folderOf("contour") / file.text("contour");
   base::YamlReader kerf = file.section("kerf");
-  read.kerf_radius_mm = kerf.number("radius_mm", {.min = 0.05, .max = 0.4});
+  read.kerf_radius_mm = kerf.number("radius_mm", {.min = 0.05, .max = 0.28});
   read.side = kerf.choice("side", {"left", "right"});
   read.program = readProgram(file.section("program"), read.kerf_radius_mm, read.side);
   scenario.board = readBoard(file.section("board"));

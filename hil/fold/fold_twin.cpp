@@ -15,7 +15,8 @@ namespace kerfbench::fold {
 namespace {
 
 constexpr std::uint64_t kCalibrationStream = 0x73757276ULL;
-constexpr std::uint64_t kSurveyNoise = 1000;  // Seeds of one camera's pictures lie so far from the next one's.
+constexpr std::uint64_t kSurveyNoise =
+    1000;  // Seeds of one camera's pictures lie so far from the next one's.
 constexpr double kDust_mm = 0.5;
 
 using Mode = Eigen::Matrix<double, vision::CameraCalibration::kParameters, 1>;
@@ -93,7 +94,8 @@ std::unique_ptr<camera::TileSource> TwinFoldCameras::kerfTiles(std::size_t face)
   // All of the board is looked at, as strays may be anywhere.
   std::vector<Eigen::AlignedBox2d> boxes{scenario_.blank.standing[face].outline_F_mm};
   return std::make_unique<camera::TwinTileSource>(
-      twin::KerfCamera(camera, scenario_.blank.standing[face].print, seed), cut_.sheets[face], boxes, options);
+      twin::KerfCamera(camera, scenario_.blank.standing[face].print, seed), cut_.sheets[face], boxes,
+      options);
 }
 
 twin::FoldedCut cutOnTwin(const FoldScenario& scenario) {

@@ -10,8 +10,8 @@ std::string faultsOf(const FiveAxisDescription& head) {
   const auto within = [&](const char* name, double value, double least, double most) {
     // Written so that a value that is no number is refused.
     if (value >= least && value <= most) return;
-    faults += fmt::format("{}{} is {}, not in {:g} … {:g}", faults.empty() ? "" : "; ", name, value, least,
-                          most);
+    faults +=
+        fmt::format("{}{} is {}, not in {:g} … {:g}", faults.empty() ? "" : "; ", name, value, least, most);
   };
   within("pivot_mm", head.pivot_mm, 1.0, 2000.0);
   within("linear_step_mm", head.linear_step_mm, 1e-6, 1.0);

@@ -24,8 +24,8 @@ struct BlankFace {
 /// Where a beam meets a face.
 struct FaceSpot {
   std::size_t face{};
-  Footprint footprint;      ///< In F.
-  double past_focus_mm{};   ///< Way of the beam from the focus to the face; < 0 before it.
+  Footprint footprint;     ///< In F.
+  double past_focus_mm{};  ///< Way of the beam from the focus to the face; < 0 before it.
 };
 
 /// Faces under a beam of the radius w(s)² = w0² (1 + (s / zR)²).

@@ -21,8 +21,7 @@ double energyOf(const FiveAxisDescription& head, double way_mm, double turn_rad)
 }
 
 const FaceSpot* onFace(const std::vector<FaceSpot>& spots, std::size_t face) {
-  const auto found =
-      std::ranges::find_if(spots, [&](const FaceSpot& spot) { return spot.face == face; });
+  const auto found = std::ranges::find_if(spots, [&](const FaceSpot& spot) { return spot.face == face; });
   return found == spots.end() ? nullptr : &*found;
 }
 
@@ -42,8 +41,8 @@ void burn(const std::vector<FaceSpot>& from, const std::vector<FaceSpot>& to, do
 
 }  // namespace
 
-FoldedCut cutFolded(const FiveAxisDescription& head, const FoldedBlank& blank,
-                    const BoardDescription& board, const std::vector<FiveAxisMove>& moves) {
+FoldedCut cutFolded(const FiveAxisDescription& head, const FoldedBlank& blank, const BoardDescription& board,
+                    const std::vector<FiveAxisMove>& moves) {
   FoldedCut cut;
   for (std::size_t i = 0; i < blank.faces().size(); ++i) cut.sheets.emplace_back(board);
   FiveAxisHead machine(head);
@@ -58,15 +57,14 @@ FoldedCut cutFolded(const FiveAxisDescription& head, const FoldedBlank& blank,
     const Eigen::Vector3d way_mm = move.to.p_WQ_mm - at->p_WQ_mm;
     const double turn_rad =
         std::max(std::abs(move.to.a_rad - at->a_rad), std::abs(move.to.c_rad - at->c_rad));
-    const auto steps = static_cast<int>(
-        std::max(1.0, std::ceil(std::max(way_mm.norm() / kStep_mm, turn_rad / kStep_rad))));
+    const auto steps =
+        static_cast<int>(std::max(1.0, std::ceil(std::max(way_mm.norm() / kStep_mm, turn_rad / kStep_rad))));
     const double energy_j = move.cuts ? energyOf(head, way_mm.norm(), turn_rad) / steps : 0.0;
     for (int i = 1; i <= steps; ++i) {
       const double share = static_cast<double>(i) / steps;
-      std::vector<FaceSpot> next =
-          blank.meet(machine.moveTo({at->p_WQ_mm + share * way_mm,
-                                     at->a_rad + share * (move.to.a_rad - at->a_rad),
-                                     at->c_rad + share * (move.to.c_rad - at->c_rad)}));
+      std::vector<FaceSpot> next = blank.meet(
+          machine.moveTo({at->p_WQ_mm + share * way_mm, at->a_rad + share * (move.to.a_rad - at->a_rad),
+                          at->c_rad + share * (move.to.c_rad - at->c_rad)}));
       if (energy_j > 0.0) burn(spots, next, energy_j, cut.sheets);
       if (move.cuts && next.empty()) cut.missed_mm += way_mm.norm() / steps;
       spots = std::move(next);

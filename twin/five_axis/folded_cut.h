@@ -21,7 +21,7 @@ struct FoldedCut {
 /// of no more than 0.04 mm or 0.2 degrees. Between two steps the footprint goes straight. The head is where
 /// the first move leads, and what comes before it does not count. @throws std::invalid_argument for a
 /// description that is out of range.
-FoldedCut cutFolded(const FiveAxisDescription& head, const FoldedBlank& blank,
-                    const BoardDescription& board, const std::vector<FiveAxisMove>& moves);
+FoldedCut cutFolded(const FiveAxisDescription& head, const FoldedBlank& blank, const BoardDescription& board,
+                    const std::vector<FiveAxisMove>& moves);
 
 }  // namespace kerfbench::twin

@@ -35,7 +35,8 @@ struct SeenFace {
 
 GrayImage surveyPicture(const CameraDescription& camera, const std::vector<BlankFace>& faces,
                         std::uint64_t seed) {
-  if (camera.telecentric_mm > 0.0 || std::ranges::any_of(camera.distortion, [](double k) { return k != 0.0; }))
+  if (camera.telecentric_mm > 0.0 ||
+      std::ranges::any_of(camera.distortion, [](double k) { return k != 0.0; }))
     throw std::invalid_argument("surveyPicture: the lens must be a pinhole without distortion");
   Eigen::Matrix3d intrinsic;
   intrinsic << camera.fx_px, 0.0, camera.cx_px, 0.0, camera.fy_px, camera.cy_px, 0.0, 0.0, 1.0;

@@ -31,8 +31,7 @@ std::string readPoint(const std::vector<std::string>& words, ContourPoint& point
   if (words[0] == "via" || words[0] == "centre" || words[0] == "bezier" || words[0] == "spline") {
     return fmt::format("'{}': arcs and curves are not judged; give the contour by points", words[0]);
   }
-  if (words.size() != 6)
-    return fmt::format("{} words where x y z i j k are wanted", words.size());
+  if (words.size() != 6) return fmt::format("{} words where x y z i j k are wanted", words.size());
   Eigen::Matrix<double, 6, 1> numbers;
   for (std::size_t i = 0; i < 6; ++i) {
     const auto number = base::numberFrom<double>(words[i]);
@@ -69,8 +68,7 @@ std::vector<ContourPoint> readContourFile(const std::string& text, const std::st
       points.push_back(point);
     }
   }
-  if (faults.empty() && points.size() < 2)
-    faults = fmt::format("{}: a contour has two points or more", name);
+  if (faults.empty() && points.size() < 2) faults = fmt::format("{}: a contour has two points or more", name);
   if (!faults.empty()) throw base::InputError(faults);
   return points;
 }

@@ -34,7 +34,8 @@ std::optional<std::size_t> faceOf(const std::vector<SpaceFace>& faces, const Con
                                   const ContourPoint& to) {
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const double cosine = faces[i].X_WF.linear().col(2).dot(from.axis_W);
-    if (cosine > std::cos(kNormal_rad) && holds(faces[i], from.p_W_mm) && holds(faces[i], to.p_W_mm)) return i;
+    if (cosine > std::cos(kNormal_rad) && holds(faces[i], from.p_W_mm) && holds(faces[i], to.p_W_mm))
+      return i;
   }
   return std::nullopt;
 }
@@ -75,6 +76,32 @@ void layOffsets(SpaceJob& job) {
       line.kerf_to_mm -= lostAtCorner(line, job.lines[i + 1], job.side, job.kerf_radius_mm);
   }
 }
+
+/// Draws parts of offsets.
+class DrawingMaker {
+ public:
+  DrawingMaker(const SpaceJob& job, std::size_t face) : job_(job) { dieline_.path = job.faces[face].name; }
+  void add(std::size_t index, double from_mm, double to_mm) {
+    const SpaceLine& line = job_.lines[index];
+    const Vector2d start = line.from_F_mm + job_.kerf_radius_mm * line.beside_F;
+    dieline::Entity entity;
+    entity.id = static_cast<int>(lines_.size());
+    entity.curve = dieline::LineCurve{start + from_mm * line.along_F, start + to_mm * line.along_F};
+    entity.layer = dieline_.path;
+    dieline_.entities.push_back(std::move(entity));
+    lines_.push_back(index);
+    from_mm_.push_back(from_mm);
+  }
+  [[nodiscard]] FaceDrawing drawing() const {
+    return {std::make_shared<const dieline::Dieline>(dieline_), lines_, from_mm_};
+  }
+
+ private:
+  const SpaceJob& job_;
+  dieline::Dieline dieline_;
+  std::vector<std::size_t> lines_;
+  std::vector<double> from_mm_;
+};
 
 }  // namespace
 
@@ -119,23 +146,19 @@ SpaceJob layContour(const std::vector<ContourPoint>& contour, std::vector<SpaceF
 }
 
 FacePlan planFace(const SpaceJob& job, std::size_t face) {
-  FacePlan plan;
-  auto drawing = std::make_shared<dieline::Dieline>();
-  drawing->path = job.faces[face].name;
+  constexpr double kLeast_mm = 0.05;  // Of a part beyond a fold that is looked at.
+  DrawingMaker kerfs(job, face);
+  DrawingMaker beyond(job, face);
   for (std::size_t i = 0; i < job.lines.size(); ++i) {
     const SpaceLine& line = job.lines[i];
     if (line.face != face) continue;
-    const Vector2d from = line.from_F_mm + job.kerf_radius_mm * line.beside_F;
-    dieline::Entity entity;
-    entity.id = static_cast<int>(plan.lines.size());
-    entity.curve =
-        dieline::LineCurve{from + line.kerf_from_mm * line.along_F, from + line.kerf_to_mm * line.along_F};
-    entity.layer = job.faces[face].name;
-    drawing->entities.push_back(entity);
-    plan.lines.push_back(i);
+    kerfs.add(i, line.kerf_from_mm, line.kerf_to_mm);
+    if (line.begin == LineEndKind::kFold && line.kerf_from_mm > kLeast_mm)
+      beyond.add(i, 0.0, line.kerf_from_mm);
+    if (line.end == LineEndKind::kFold && line.length_mm - line.kerf_to_mm > kLeast_mm)
+      beyond.add(i, line.kerf_to_mm, line.length_mm);
   }
-  plan.dieline = std::move(drawing);
-  return plan;
+  return {kerfs.drawing(), beyond.drawing()};
 }
 
 }  // namespace kerfbench::inspect

@@ -41,7 +41,8 @@ struct SpaceLine {
   Eigen::Vector2d beside_F{Eigen::Vector2d::UnitY()};  ///< Unit vector towards the kerf.
   double length_mm{};
   LineEndKind begin{LineEndKind::kFree}, end{LineEndKind::kFree};
-  /// Where the strict offset of the line lies in the face: way along the line, from `from_F_mm` on.
+  /// Where the strict offset of the line lies in the face: way along the line, from `from_F_mm` on. At an
+  /// obtuse angle to a fold it leaves the face before the line ends.
   double kerf_from_mm{}, kerf_to_mm{};
 };
 
@@ -55,16 +56,26 @@ struct SpaceJob {
 
 /// Lays each line of a contour into its face. An offset's ends: where the offsets meet, at a corner; at a
 /// fold, where it leaves the face, but no farther than three radii beyond the line; else the line's own.
-/// @throws base::InputError that names every line, by that of the file, that lies in no face: none whose normal
-/// is the line's axis within half a degree, or whose plane and outline hold both of its ends to 0.05 mm.
+/// @throws base::InputError that names every line, by that of the file, that lies in no face: none whose
+/// normal is the line's axis within half a degree, or whose plane and outline hold both of its ends to 0.05
+/// mm.
 SpaceJob layContour(const std::vector<ContourPoint>& contour, std::vector<SpaceFace> faces, double side,
                     double kerf_radius_mm, const std::string& name);
 
-/// What the kerf camera is to find on a face: the strict offsets of its lines, where the middle of the kerf
-/// should be. Entity k belongs to the k-th of `lines`.
-struct FacePlan {
+/// A drawing of lines beside the contour, in F. Entity k runs along the line `lines[k]`, from the way
+/// `from_mm[k]` on.
+struct FaceDrawing {
   std::shared_ptr<const dieline::Dieline> dieline;
   std::vector<std::size_t> lines;
+  std::vector<double> from_mm;
+};
+
+/// What the kerf camera is to look for on a face.
+struct FacePlan {
+  FaceDrawing kerfs;  ///< The strict offsets: where the middle of the kerf should be.
+  /// Beside those parts of the contour whose offset lies beyond a fold. No kerf need be there, but what the
+  /// joint burns of the piece shows.
+  FaceDrawing beyond;
 };
 FacePlan planFace(const SpaceJob& job, std::size_t face);
 

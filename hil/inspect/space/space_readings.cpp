@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -29,6 +30,7 @@ Vector3d onFace(const Vector2d& p_F_mm) { return {p_F_mm.x(), p_F_mm.y(), 0.0}; 
 
 /// A line of the contour with the directions that distances from it are told by.
 struct LineInSpace {
+  std::size_t index;
   const SpaceLine* line;
   Vector3d from_W_mm, along_W, beside_W, above_W;
   double side;
@@ -39,7 +41,7 @@ LineInSpace inSpace(const SpaceJob& job, std::size_t index, const std::vector<Co
   const ContourPoint& from = contour[line.point];
   const Vector3d along = (contour[line.point + 1].p_W_mm - from.p_W_mm).normalized();
   const Vector3d above = (from.axis_W - from.axis_W.dot(along) * along).normalized();
-  return {&line, from.p_W_mm, along, job.side * above.cross(along), above, job.side};
+  return {index, &line, from.p_W_mm, along, job.side * above.cross(along), above, job.side};
 }
 
 double clearOf(LineEndKind kind, double radius_mm) {
@@ -72,8 +74,8 @@ class FaceErrors {
     map_u_mm_ = instruments.kerf_map_u_mm;
   }
 
-  /// Adds the shifts of a place, and their sources; `width` is the shift by the kerf's width, `steady` that by
-  /// what the flanks of this line have in common.
+  /// Adds the shifts of a place, and their sources; `width` is the shift by the kerf's width, `steady` that
+  /// by what the flanks of this line have in common.
   void add(const Vector2d& p_F_mm, const Vector2d& width, const Vector2d& steady,
            std::vector<Vector2d>& shifts, std::vector<EdgeSource>& sources) const {
     const auto put = [&](const Vector2d& shift, EdgeSource source) {
@@ -104,14 +106,16 @@ struct FaceReader {
   const FaceEvidence& evidence;
   FaceErrors errors;
 
-  void read(const vision::EntityKerf& kerf, std::size_t index, const LineInSpace& line,
+  /// Reads a kerf that is looked at from the way `from_mm` of its line on.
+  void read(const vision::EntityKerf& kerf, double from_mm, const LineInSpace& line,
             std::vector<EdgeReading>& readings) const {
     for (const vision::Caliper& caliper : kerf.calipers) {
       EdgeReading reading;
-      reading.line = index;
-      reading.way_mm = line.line->kerf_from_mm + caliper.station_mm;
+      reading.line = line.index;
+      reading.way_mm = from_mm + caliper.station_mm;
       if (reading.way_mm < 0.0 || reading.way_mm > line.line->length_mm) continue;
       reading.zone = zoneOf(*line.line, reading.way_mm, caliper.near_joint, job.kerf_radius_mm);
+      reading.strict = reading.way_mm >= line.line->kerf_from_mm && reading.way_mm <= line.line->kerf_to_mm;
       reading.open = caliper.brightness >= checks::kOpenBrightness;
       reading.found = evidence.pose && caliper.found && std::isfinite(caliper.offset_mm) &&
                       std::isfinite(caliper.width_mm) && caliper.width_mm > 0.0;
@@ -129,8 +133,8 @@ struct FaceReader {
     const Vector2d& beside_F = line.line->beside_F;
     const Vector2d edge_F_mm = caliper.p_S_mm + (middle_mm - half_mm) * beside_F;
     const double steady_mm = std::min(kFlanks * caliper.steady_sigma_mm, caliper.sigma_mm);
-    const double own_mm = std::sqrt(std::max(0.0, caliper.sigma_mm * caliper.sigma_mm -
-                                                      caliper.steady_sigma_mm * caliper.steady_sigma_mm));
+    const double own_mm = std::sqrt(std::max(
+        0.0, caliper.sigma_mm * caliper.sigma_mm - caliper.steady_sigma_mm * caliper.steady_sigma_mm));
     reading.noise_mm = std::hypot(own_mm, 0.5 * caliper.width_sigma_mm);
     const double width_mm = 0.5 * std::hypot(kerf.widening_sigma_mm, kOwnBlurShare * kerf.widening_mm);
     std::vector<Vector2d> shifts_F;
@@ -156,6 +160,14 @@ struct FaceReader {
   }
 };
 
+/// The scan with the widths of its kerfs as the board is severed.
+vision::KerfScan severedOf(const vision::KerfScan& scan, const SpaceJob& job, const FaceDrawing& drawing,
+                           const SpaceInstruments& instruments) {
+  checks::EdgeSides sides;
+  sides.side.assign(drawing.lines.size(), job.side > 0.0 ? 1 : -1);
+  return checks::severedScan(scan, sides, instruments.beam_radius_mm, instruments.board_transmission);
+}
+
 }  // namespace
 
 double EdgeReading::distance_mm() const { return std::hypot(beside_mm, above_mm); }
@@ -166,17 +178,26 @@ std::vector<EdgeReading> readEdges(const SpaceJob& job, const std::vector<FaceEv
   std::vector<EdgeReading> readings;
   for (std::size_t face = 0; face < job.faces.size(); ++face) {
     const FacePlan plan = planFace(job, face);
-    if (plan.lines.empty()) continue;
-    checks::EdgeSides sides;
-    sides.side.assign(plan.lines.size(), job.side > 0.0 ? 1 : -1);
-    const vision::KerfScan severed = checks::severedScan(
-        faces[face].scan, sides, instruments.beam_radius_mm, instruments.board_transmission);
-    const FaceReader reader{job, faces[face], FaceErrors(severed, instruments)};
-    for (const vision::EntityKerf& kerf : severed.entities) {
-      const std::size_t index = plan.lines.at(static_cast<std::size_t>(kerf.entity));
-      reader.read(kerf, index, inSpace(job, index, contour), readings);
+    const FaceErrors errors(faces[face].scan, instruments);
+    const FaceReader reader{job, faces[face], errors};
+    for (const auto& [scan, drawing] :
+         {std::pair(&faces[face].scan, &plan.kerfs), std::pair(&faces[face].beyond, &plan.beyond)}) {
+      vision::KerfScan severed = severedOf(*scan, job, *drawing, instruments);
+      for (vision::EntityKerf& kerf : severed.entities) {
+        const auto k = static_cast<std::size_t>(kerf.entity);
+        // How well the picture's blur is known the whole kerfs tell.
+        if (scan == &faces[face].beyond && !faces[face].scan.entities.empty()) {
+          const vision::EntityKerf& whole = faces[face].scan.entities.front();
+          kerf.widening_mm = whole.widening_mm;
+          kerf.widening_sigma_mm = std::hypot(kerf.widening_sigma_mm, whole.widening_sigma_mm);
+        }
+        reader.read(kerf, drawing->from_mm.at(k), inSpace(job, drawing->lines.at(k), contour), readings);
+      }
     }
   }
+  std::ranges::stable_sort(readings, [](const EdgeReading& a, const EdgeReading& b) {
+    return a.line != b.line ? a.line < b.line : a.way_mm < b.way_mm;
+  });
   return readings;
 }
 

@@ -16,7 +16,8 @@ namespace kerfbench::inspect {
 
 /// What was measured of one face: its kerfs, in F, by the kerf camera; how it stood, by the survey cameras.
 struct FaceEvidence {
-  vision::KerfScan scan;  ///< Of planFace()'s drawing.
+  vision::KerfScan scan;    ///< Of FacePlan::kerfs.
+  vision::KerfScan beyond;  ///< Of FacePlan::beyond, in the same pictures; empty where there is nothing.
   std::optional<vision::FacePose> pose;
 };
 
@@ -24,7 +25,7 @@ struct FaceEvidence {
 struct SpaceInstruments {
   double beam_radius_mm{};      ///< 1/e² radius of the beam on the board.
   double board_transmission{};  ///< Of the back light through whole board.
-  double kerf_map_u_mm{};       ///< Standard uncertainty of a place by the kerf camera's calibration, per axis.
+  double kerf_map_u_mm{};  ///< Standard uncertainty of a place by the kerf camera's calibration, per axis.
 };
 
 /// Where a reading lies on its line.
@@ -42,8 +43,9 @@ struct EdgeReading {
   std::size_t line{};  ///< Of SpaceJob::lines.
   double way_mm{};     ///< Along the line.
   EdgeZone zone{EdgeZone::kAlong};
-  bool found{};  ///< There is a kerf, and `edge_W_mm` is a place.
-  bool open{};   ///< It is cut through.
+  bool strict{};  ///< The strict offset lies in the face here, so that the kerf must be there.
+  bool found{};   ///< There is a kerf, and `edge_W_mm` is a place.
+  bool open{};    ///< It is cut through.
   Eigen::Vector3d edge_W_mm{Eigen::Vector3d::Zero()};
   /// From the line of the contour in space to the edge, at a right angle to the line: in the face towards the
   /// kerf (< 0: into the piece), and along the face's normal as it is drawn. NaN unless found.

@@ -13,12 +13,12 @@ namespace kerfbench::inspect {
 
 /// The largest distance of many places.
 struct WorstDistance {
-  Quantity value;            ///< mm, with U (k = 2); NaN without a reading.
-  double as_read_mm{};       ///< Before the correction for being the largest of many.
-  std::size_t reading{};     ///< Where, in the readings.
-  std::size_t readings{};    ///< How many were judged.
-  double noise_u_mm{};       ///< Standard uncertainty by noise, as simulated.
-  double shared_u_mm{};      ///< Standard uncertainty by what readings have in common, at its largest.
+  Quantity value;          ///< mm, with U (k = 2); NaN without a reading.
+  double as_read_mm{};     ///< Before the correction for being the largest of many.
+  std::size_t reading{};   ///< Where, in the readings.
+  std::size_t readings{};  ///< How many were judged.
+  double noise_u_mm{};     ///< Standard uncertainty by noise, as simulated.
+  double shared_u_mm{};    ///< Standard uncertainty by what readings have in common, at its largest.
   std::array<double, kEdgeSources> source_u_mm{};  ///< Parts of it at the worst place.
 };
 

@@ -32,7 +32,8 @@ void sight(const ExpectedFace& face, const SurveyView& view, std::size_t number,
     const auto expected = over_face.pixelIfSeen(printed.p_SM_mm, 0.0);
     if (!expected) continue;
     const double px_per_mm = over_face.localMap(printed.p_SM_mm).pxPerMm();
-    if (!over_face.pixelIfSeen(printed.p_SM_mm, markBorderPx(0.5 * printed.diameter_mm * px_per_mm))) continue;
+    if (!over_face.pixelIfSeen(printed.p_SM_mm, markBorderPx(0.5 * printed.diameter_mm * px_per_mm)))
+      continue;
     const auto found =
         measureMark(*view.image, over_face, printed.p_SM_mm, printed.diameter_mm, face.search_mm);
     if (!found) continue;
@@ -57,21 +58,23 @@ std::optional<FacePose> locateFace(const ExpectedFace& face, const std::vector<S
   for (std::size_t mark = 0; mark < marks; ++mark) {
     const auto seen = std::ranges::count_if(sighted, [&](const SightedMark& m) { return m.mark == mark; });
     if (static_cast<std::size_t>(seen) >= kLeastViews) continue;
-    problems.push_back(fmt::format("face {}: mark {} is found in {} of {} survey pictures, and two are needed",
-                                   face.name, mark + 1, seen, views.size()));
+    problems.push_back(
+        fmt::format("face {}: mark {} is found in {} of {} survey pictures, and two are needed", face.name,
+                    mark + 1, seen, views.size()));
     whole = false;
   }
   if (!whole) return std::nullopt;
   auto pose = solvePose(face, views, sighted);
   if (!pose) {
-    problems.push_back(fmt::format("face {}: its marks fit no pose near the one that is expected", face.name));
+    problems.push_back(
+        fmt::format("face {}: its marks fit no pose near the one that is expected", face.name));
     return std::nullopt;
   }
   if (!(pose->rms_px <= kMostRms_px)) {
-    problems.push_back(
-        fmt::format("face {}: its marks lie {:.2f} px (RMS) off the best pose, where {:.2f} are allowed: it is "
-                    "not flat, or print or calibration is another",
-                    face.name, pose->rms_px, kMostRms_px));
+    problems.push_back(fmt::format(
+        "face {}: its marks lie {:.2f} px (RMS) off the best pose, where {:.2f} are allowed: it is "
+        "not flat, or print or calibration is another",
+        face.name, pose->rms_px, kMostRms_px));
     return std::nullopt;
   }
   return pose;

@@ -14,8 +14,9 @@
 
 namespace kerfbench::vision {
 
-/// A camera that looks at a folded blank from a side, and its picture. The calibration's plane P is W's z = 0,
-/// so that X_CP is the pose of the machine in the camera; CameraCalibration::error_modes are modes of that.
+/// A camera that looks at a folded blank from a side, and its picture. The calibration's plane P is W's z =
+/// 0, so that X_CP is the pose of the machine in the camera; CameraCalibration::error_modes are modes of
+/// that.
 struct SurveyView {
   const CameraCalibration* calibration{};
   const GrayImage* image{};
@@ -23,10 +24,10 @@ struct SurveyView {
 
 /// A flat face of a blank as it should stand.
 struct ExpectedFace {
-  std::string name;                                         ///< For messages.
-  Eigen::Isometry3d X_WF{Eigen::Isometry3d::Identity()};    ///< z is the normal on the print's side.
-  const PrintLayout* print{};                               ///< One unit; its S is F.
-  double print_sigma_mm{};                                  ///< Of a mark's place, per axis.
+  std::string name;                                       ///< For messages.
+  Eigen::Isometry3d X_WF{Eigen::Isometry3d::Identity()};  ///< z is the normal on the print's side.
+  const PrintLayout* print{};                             ///< One unit; its S is F.
+  double print_sigma_mm{};                                ///< Of a mark's place, per axis.
   double search_mm{1.5};  ///< Farthest that a mark may lie from where it should, in the face's plane.
 };
 
@@ -40,8 +41,8 @@ struct FacePose {
   /// Their sum, weighted by independent standard normal values, is the error of the pose: noise of the marks,
   /// print, and the calibration of each camera.
   std::vector<SmallMotion> modes;
-  int marks{};       ///< Pictures of marks that were used.
-  double rms_px{};   ///< Residual of the marks, per axis.
+  int marks{};      ///< Pictures of marks that were used.
+  double rms_px{};  ///< Residual of the marks, per axis.
 
   /// Shift of a point fixed to the face by a mode, in W.
   [[nodiscard]] Eigen::Vector3d shift(const SmallMotion& mode, const Eigen::Vector3d& p_W_mm) const {

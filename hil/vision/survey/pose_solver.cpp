@@ -41,7 +41,8 @@ constexpr double kShift_mm = 1e-3;
 constexpr int kMostRounds = 20;
 
 /// How the residuals change with a motion of the face.
-std::optional<MatrixXd> jacobian(const Scene& scene, const Eigen::Isometry3d& X_WF, const Vector3d& centre_W) {
+std::optional<MatrixXd> jacobian(const Scene& scene, const Eigen::Isometry3d& X_WF,
+                                 const Vector3d& centre_W) {
   MatrixXd j(2 * static_cast<Eigen::Index>(scene.sighted->size()), 6);
   for (Eigen::Index k = 0; k < 6; ++k) {
     SmallMotion step = SmallMotion::Zero();
