@@ -159,7 +159,7 @@ void addFold(CLI::App& app, const CliProgram& program, CliActions& actions) {
       "fold",
       "Run five-axis cuts (X Y Z A C) over a folded blank: the model cuts it, its cameras look at it, and the\n"
       "distance of the cut's edge from the contour in space is judged; docs/how-to/fold-in-space.md.");
-  command->add_option("SCENARIO", options->scenarios, "Scenario files (fixtures/scenarios/fold/*.yaml)")
+  command->add_option("SCENARIO", options->scenarios, "Scenario files (fixtures/fold/*.yaml)")
       ->required();
   command
       ->add_option("--results-dir,-o", options->out,

@@ -133,6 +133,7 @@ FoldMachine readFoldMachine(const std::filesystem::path& path) {
   machine.survey = readSurvey(file);
   const std::filesystem::path inspection = file.folderOf("inspection") / file.text("inspection");
   file.finish();
+  machine.keys = file.asked();
   machine.inputs = file.inputs();
   machine.kerf = readKerfCamera(inspection, machine.inputs);
   return machine;

@@ -46,6 +46,7 @@ struct FoldMachine {
   std::vector<SurveyCamera> survey;
   FoldKerfCamera kerf;
   std::vector<std::filesystem::path> inputs;
+  std::vector<base::YamlReader::Asked> keys;  ///< Every key that was asked for, the given and the others.
 };
 
 /// @throws base::ConfigError with every fault, each with file and line.

@@ -107,6 +107,7 @@ FoldScenario readFoldScenario(const std::filesystem::path& path) {
   // The keys of `errors` are checked with the others, before the machine is read; its values come after.
   readErrors(file.section("errors"), {});
   file.finish();
+  scenario.keys = file.asked();
   scenario.machine = readFoldMachine(read.machine);
   base::YamlReader again = base::YamlReader::openFile(path);
   scenario.machine.head.errors = readErrors(again.section("errors"), scenario.machine.head.errors);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/base/yaml_reader.h"
 #include "hil/fold/fold_blank.h"
 #include "hil/fold/fold_machine.h"
 #include "hil/inspect/space/space_checks.h"
@@ -30,6 +31,7 @@ struct FoldScenario {
   std::string program_name;  ///< For messages.
   std::vector<twin::FiveAxisMove> moves;
   std::vector<std::filesystem::path> inputs;  ///< All files that it depends on.
+  std::vector<base::YamlReader::Asked> keys;  ///< Every key that was asked for, the given and the others.
 };
 
 /// @throws base::ConfigError or base::InputError with every fault of a file, each with file and line.

@@ -87,6 +87,11 @@ Check jointsCheck(const SpaceJob& job, const SpaceResult& result, const SpaceTol
   return check;
 }
 
+/// Light that comes through, along the contour from a kerf whose edges can be told.
+bool isCut(const EdgeReading& reading) {
+  return reading.open && (reading.found || reading.zone != EdgeZone::kAlong);
+}
+
 Check coverageCheck(const SpaceJob& job, const SpaceResult& result, const SpaceTolerances& limits) {
   Check check{
       .name = "space_coverage", .title = "Longest stretch of the contour not cut through", .unit = "mm"};
@@ -97,7 +102,7 @@ Check coverageCheck(const SpaceJob& job, const SpaceResult& result, const SpaceT
     const EdgeReading& reading = result.readings[i];
     const bool goes_on = i > 0 && result.readings[i - 1].line == reading.line;
     if (!goes_on) run_mm = 0.0;
-    run_mm = reading.open || !reading.strict ? 0.0 : run_mm + kEdgePitch_mm;
+    run_mm = isCut(reading) || !reading.strict ? 0.0 : run_mm + kEdgePitch_mm;
     if (run_mm <= check.value) continue;
     check.value = run_mm;
     check.subject = placeOf(job, reading);

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,13 +28,18 @@ std::string textOf(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Names that are given to checks in the rooms that make checks.
-Names namesInTheSources() {
+/// The room of the checks of cuts in space, which are no checks of a run.
+const fs::path kSpace = fs::path(KERFBENCH_SOURCE_DIR) / "hil/inspect/space";
+
+/// Names that are given to checks in these folders, without those of cuts in space unless these are asked
+/// for.
+Names namesIn(const std::vector<fs::path>& folders) {
   const std::regex given(R"re(\.name = "([a-z_]+)")re");
   Names names;
-  for (const char* room : {"hil/inspect", "hil/judge"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(KERFBENCH_SOURCE_DIR) / room)) {
+  for (const fs::path& folder : folders) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
       if (entry.path().extension() != ".cpp") continue;
+      if (folder != kSpace && entry.path().parent_path() == kSpace) continue;
       const std::string text = textOf(entry.path());
       for (auto it = std::sregex_iterator(text.begin(), text.end(), given); it != std::sregex_iterator();
            ++it)
@@ -43,8 +49,13 @@ Names namesInTheSources() {
   return names;
 }
 
-Names sectionsOfThePage() {
-  std::istringstream page(docs::pageText("checks.md"));
+Names namesInTheSources() {
+  const fs::path root(KERFBENCH_SOURCE_DIR);
+  return namesIn({root / "hil/inspect", root / "hil/judge"});
+}
+
+Names sectionsOfThePage(const std::string& name) {
+  std::istringstream page(docs::pageText(name));
   Names names;
   for (std::string line; std::getline(page, line);) {
     if (line.starts_with("### ")) names.insert(line.substr(4));
@@ -55,7 +66,13 @@ Names sectionsOfThePage() {
 TEST(CheckNames, AreTheSectionsOfTheirPage) {
   const Names names = namesInTheSources();
   EXPECT_GE(names.size(), 20U);
-  EXPECT_EQ(sectionsOfThePage(), names);
+  EXPECT_EQ(sectionsOfThePage("checks.md"), names);
+}
+
+TEST(CheckNames, OfCutsInSpaceAreTheSectionsOfTheirPage) {
+  const Names names = namesIn({kSpace});
+  EXPECT_EQ(names.size(), 4U);
+  EXPECT_EQ(sectionsOfThePage("fold.md"), names);
 }
 
 TEST(CheckNames, AreThoseOfTheSchema) {
