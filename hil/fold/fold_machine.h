@@ -14,10 +14,10 @@ namespace kerfbench::fold {
 
 /// How well a survey camera is calibrated, as its certificate has it: standard uncertainties.
 struct SurveyCertificate {
-  double turn_rad{};      ///< Of its pose in W, about each axis.
-  double shift_mm{};      ///< Of the same, along each axis.
+  double turn_rad{};      ///< Turn of its pose in W, about each axis.
+  double shift_mm{};      ///< Place of its pinhole in W, along each axis.
   double focal_share{};   ///< Relative, of both focal lengths alike.
-  double principal_px{};  ///< Of the principal point, per axis.
+  double principal_px{};  ///< Place of the principal point, per axis.
 };
 
 /// A survey camera of a five-axis machine.

@@ -112,7 +112,7 @@ FoldInstruments instrumentsOf(const FoldScenario& scenario, int threads) {
   vision::KerfScanOptions& scan = instruments.scan;
   scan.threads = threads;
   scan.station_pitch_mm = inspect::kEdgePitch_mm;
-  // To the far edge of the widest kerf that lies where none should, and some board.
+  // Reaches the far edge of the widest kerf that lies where none should, and some board.
   scan.reach_mm = std::max(scan.reach_mm, 2.0 * scenario.job.kerf_radius_mm + 0.3);
   scan.stray_min_mm =
       std::max(0.0, std::min(kDust_mm, scenario.limits.stray_mm) - 2.0 * kerf.calibration.pitchMm());

@@ -13,9 +13,9 @@ namespace kerfbench::fold {
 
 /// All that the bench knows of its instruments.
 struct FoldInstruments {
-  vision::CameraCalibration kerf;                 ///< Its plane is the table's.
+  vision::CameraCalibration kerf;                 ///< Calibration of the kerf camera, over the table.
   vision::KerfScanOptions scan;                   ///< Station pitch: inspect::kEdgePitch_mm.
-  std::vector<vision::CameraCalibration> survey;  ///< Their plane is W's z = 0; see vision::SurveyView.
+  std::vector<vision::CameraCalibration> survey;  ///< Calibrations over W's z = 0; see vision::SurveyView.
   inspect::SpaceInstruments space;
 };
 

@@ -18,12 +18,31 @@ std::string placeOf(const SpaceJob& job, const EdgeReading& reading) {
                      reading.way_mm);
 }
 
+/// Longest stretch along the contour where light comes through and no edge of the kerf can be told.
+double longestUnread_mm(const std::vector<EdgeReading>& readings) {
+  double longest_mm = 0.0;
+  double run_mm = 0.0;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    const bool goes_on = i > 0 && readings[i - 1].line == readings[i].line;
+    const bool unread = readings[i].zone == EdgeZone::kAlong && readings[i].open && !readings[i].found;
+    run_mm = unread ? (goes_on ? run_mm : 0.0) + kEdgePitch_mm : 0.0;
+    longest_mm = std::max(longest_mm, run_mm);
+  }
+  return longest_mm;
+}
+
 Check pathCheck(const SpaceJob& job, const SpaceResult& result, const SpaceTolerances& limits) {
   Check check{.name = "space_path", .title = "Distance of the edge from the contour in space", .unit = "mm"};
   check.limit = limits.path_mm;
   check.value = result.worst.value.value;
   check.u = check.guard = result.worst.value.U;
+  if (const double unread_mm = longestUnread_mm(result.readings); unread_mm > limits.uncut_mm) {
+    check.value = kNan;
+    check.explanation = fmt::format(
+        "Along {:.1f} mm of the contour light comes through, but no edge can be told.", unread_mm);
+  }
   decide(check);
+  if (!check.explanation.empty()) return check;
   if (result.worst.readings == 0) {
     check.explanation = "No edge was found along the contour away from joints.";
     return check;
@@ -87,11 +106,6 @@ Check jointsCheck(const SpaceJob& job, const SpaceResult& result, const SpaceTol
   return check;
 }
 
-/// Light that comes through, along the contour from a kerf whose edges can be told.
-bool isCut(const EdgeReading& reading) {
-  return reading.open && (reading.found || reading.zone != EdgeZone::kAlong);
-}
-
 Check coverageCheck(const SpaceJob& job, const SpaceResult& result, const SpaceTolerances& limits) {
   Check check{
       .name = "space_coverage", .title = "Longest stretch of the contour not cut through", .unit = "mm"};
@@ -102,7 +116,7 @@ Check coverageCheck(const SpaceJob& job, const SpaceResult& result, const SpaceT
     const EdgeReading& reading = result.readings[i];
     const bool goes_on = i > 0 && result.readings[i - 1].line == reading.line;
     if (!goes_on) run_mm = 0.0;
-    run_mm = isCut(reading) || !reading.strict ? 0.0 : run_mm + kEdgePitch_mm;
+    run_mm = reading.open || !reading.strict ? 0.0 : run_mm + kEdgePitch_mm;
     if (run_mm <= check.value) continue;
     check.value = run_mm;
     check.subject = placeOf(job, reading);

@@ -146,7 +146,7 @@ SpaceJob layContour(const std::vector<ContourPoint>& contour, std::vector<SpaceF
 }
 
 FacePlan planFace(const SpaceJob& job, std::size_t face) {
-  constexpr double kLeast_mm = 0.05;  // Of a part beyond a fold that is looked at.
+  constexpr double kLeast_mm = 0.05;  // Shortest part beyond a fold that is looked at.
   DrawingMaker kerfs(job, face);
   DrawingMaker beyond(job, face);
   for (std::size_t i = 0; i < job.lines.size(); ++i) {

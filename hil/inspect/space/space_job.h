@@ -34,7 +34,7 @@ enum class LineEndKind {
 /// A line of the contour, in the face that it lies in.
 struct SpaceLine {
   std::size_t face{};
-  std::size_t point{};  ///< Of the contour, at which it begins.
+  std::size_t point{};  ///< Point of the contour at which it begins.
   Eigen::Vector2d from_F_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d to_F_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d along_F{Eigen::Vector2d::UnitX()};   ///< Unit vector from begin to end.

@@ -16,15 +16,15 @@ namespace kerfbench::inspect {
 
 /// What was measured of one face: its kerfs, in F, by the kerf camera; how it stood, by the survey cameras.
 struct FaceEvidence {
-  vision::KerfScan scan;    ///< Of FacePlan::kerfs.
-  vision::KerfScan beyond;  ///< Of FacePlan::beyond, in the same pictures; empty where there is nothing.
+  vision::KerfScan scan;    ///< Scan of FacePlan::kerfs.
+  vision::KerfScan beyond;  ///< Scan of FacePlan::beyond in the same pictures; empty where that is.
   std::optional<vision::FacePose> pose;
 };
 
 /// What the instruments leave open, from data sheets and calibrations.
 struct SpaceInstruments {
   double beam_radius_mm{};      ///< 1/e² radius of the beam on the board.
-  double board_transmission{};  ///< Of the back light through whole board.
+  double board_transmission{};  ///< Share of the back light through whole board.
   double kerf_map_u_mm{};  ///< Standard uncertainty of a place by the kerf camera's calibration, per axis.
 };
 
@@ -40,12 +40,12 @@ enum EdgeSource : std::size_t { kBySurvey, kByKerfPose, kByKerfWidth, kByKerfSca
 
 /// The edge of the piece at one place of the contour.
 struct EdgeReading {
-  std::size_t line{};  ///< Of SpaceJob::lines.
+  std::size_t line{};  ///< Index in SpaceJob::lines.
   double way_mm{};     ///< Along the line.
   EdgeZone zone{EdgeZone::kAlong};
   bool strict{};  ///< The strict offset lies in the face here, so that the kerf must be there.
   bool found{};   ///< There is a kerf, and `edge_W_mm` is a place.
-  bool open{};    ///< It is cut through.
+  bool open{};    ///< The board is cut through.
   Eigen::Vector3d edge_W_mm{Eigen::Vector3d::Zero()};
   /// From the line of the contour in space to the edge, at a right angle to the line: in the face towards the
   /// kerf (< 0: into the piece), and along the face's normal as it is drawn. NaN unless found.
@@ -53,7 +53,7 @@ struct EdgeReading {
   double noise_mm{};  ///< Standard deviation of beside_mm that no other reading has in common.
   /// What a standard deviation of each shared error moves both by; errors of one face are in common.
   Eigen::VectorXd beside_modes, above_modes;
-  std::vector<EdgeSource> sources;  ///< Of each mode.
+  std::vector<EdgeSource> sources;  ///< Source of each mode.
 
   [[nodiscard]] double distance_mm() const;
 };

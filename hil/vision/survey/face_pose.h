@@ -27,7 +27,7 @@ struct ExpectedFace {
   std::string name;                                       ///< For messages.
   Eigen::Isometry3d X_WF{Eigen::Isometry3d::Identity()};  ///< z is the normal on the print's side.
   const PrintLayout* print{};                             ///< One unit; its S is F.
-  double print_sigma_mm{};                                ///< Of a mark's place, per axis.
+  double print_sigma_mm{};                                ///< Uncertainty of a mark's place, per axis.
   double search_mm{1.5};  ///< Farthest that a mark may lie from where it should, in the face's plane.
 };
 
@@ -38,8 +38,8 @@ using SmallMotion = Eigen::Matrix<double, 6, 1>;
 struct FacePose {
   Eigen::Isometry3d X_WF{Eigen::Isometry3d::Identity()};
   Eigen::Vector3d centre_W_mm{Eigen::Vector3d::Zero()};  ///< Middle of the marks: turns are about it.
-  /// Their sum, weighted by independent standard normal values, is the error of the pose: noise of the marks,
-  /// print, and the calibration of each camera.
+  /// Modes whose sum, weighted by independent standard normal values, is the pose's error: noise of the
+  /// marks, print, and the calibration of each camera.
   std::vector<SmallMotion> modes;
   int marks{};      ///< Pictures of marks that were used.
   double rms_px{};  ///< Residual of the marks, per axis.

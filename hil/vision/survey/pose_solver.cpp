@@ -36,7 +36,7 @@ struct Scene {
   }
 };
 
-constexpr double kTurn_rad = 1e-5;  // Of the difference quotients.
+constexpr double kTurn_rad = 1e-5;  // Steps of the difference quotients.
 constexpr double kShift_mm = 1e-3;
 constexpr int kMostRounds = 20;
 

@@ -18,7 +18,7 @@ namespace kerfbench::vision {
 struct SightedMark {
   std::size_t view{};
   std::size_t mark{};
-  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};  ///< Of the disc's centre.
+  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};  ///< Picture of the disc's centre.
   double sigma_px{};
 };
 

@@ -40,6 +40,10 @@ class SpaceChecks : public testing::Test {
       const Vector2d from = line.from_F_mm + kHalf_mm * line.beside_F;
       for (double s = 0.0; s < line.kerf_to_mm - line.kerf_from_mm; s += kEdgePitch_mm)
         kerf.calipers.push_back(caliperAt(s, from + (line.kerf_from_mm + s) * line.along_F));
+      // As the scan says of calipers near the corner.
+      for (std::size_t i = 0; i < 4; ++i)
+        (k == 0 ? kerf.calipers.rbegin()[static_cast<std::ptrdiff_t>(i)] : kerf.calipers[i]).near_joint =
+            true;
       evidence_.scan.entities.push_back(kerf);
     }
   }
