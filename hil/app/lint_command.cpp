@@ -7,12 +7,15 @@
 #include <string>
 
 #include "hil/base/exit_codes.h"
+#include "hil/base/input_error.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/files/calibration_file.h"
 #include "hil/calibrate/files/target_file.h"
 #include "hil/dieline/file_format.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
+#include "hil/fold/fold_machine.h"
+#include "hil/fold/fold_scenario.h"
 #include "hil/judge/run_options.h"
 #include "hil/machine_file/machine_check.h"
 #include "hil/run/controller_fit.h"
@@ -76,6 +79,14 @@ int lintFile(const fs::path& path, const fs::path& image, const judge::RunOption
     (void)calibrate::readTarget(path);
     return 0;
   }
+  if (file_keys.has("faces")) {
+    (void)fold::readFoldScenario(path);
+    return 0;
+  }
+  if (file_keys.has("survey")) {
+    (void)fold::readFoldMachine(path);
+    return 0;
+  }
   scenario::Case test_case;
   if (isScenario(path)) {
     test_case.scenario = scenario::readScenario(path, {options.bin_dir.parent_path() / "firmware", image});
@@ -106,6 +117,9 @@ int lintCommand(const std::vector<fs::path>& files, const fs::path& image, const
       std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
       ++errors;
     } catch (const dieline::DielineError& e) {
+      std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+      ++errors;
+    } catch (const base::InputError& e) {
       std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
       ++errors;
     }

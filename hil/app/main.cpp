@@ -157,10 +157,10 @@ void addFold(CLI::App& app, const CliProgram& program, CliActions& actions) {
   options->jobs = program.jobs;
   CLI::App* command = app.add_subcommand(
       "fold",
-      "Run five-axis cuts (X Y Z A C) over a folded blank: the model cuts it, its cameras look at it, and the\n"
+      "Run five-axis cuts (X Y Z A C) over a folded blank: the model cuts it, its cameras look at it, and "
+      "the\n"
       "distance of the cut's edge from the contour in space is judged; docs/how-to/fold-in-space.md.");
-  command->add_option("SCENARIO", options->scenarios, "Scenario files (fixtures/fold/*.yaml)")
-      ->required();
+  command->add_option("SCENARIO", options->scenarios, "Scenario files (fixtures/fold/*.yaml)")->required();
   command
       ->add_option("--results-dir,-o", options->out,
                    "Folder for the results; of several scenarios each has one of its name in it")

@@ -51,7 +51,7 @@ TEST_F(Lint, TellsWhatACf2HasBesides) {
 
 TEST_F(Lint, EveryFixtureIsGood) {
   std::vector<std::filesystem::path> files;
-  for (const char* folder : {"scenarios", "machines", "dielines"}) {
+  for (const char* folder : {"scenarios", "machines", "dielines", "fold"}) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(fixture(folder))) {
       const auto path = entry.path();
       if (path.string().find("generate") != std::string::npos || path.filename() == "drivers.yaml") continue;
