@@ -87,7 +87,7 @@ Read readFile(base::YamlReader& file) {
   read.machine = file.folderOf("machine") / file.text("machine");
   read.contour = file.folderOf("contour") / file.text("contour");
   base::YamlReader kerf = file.section("kerf");
-  read.kerf_radius_mm = kerf.number("radius_mm", {.min = 0.05, .max = 0.28});
+  read.kerf_radius_mm = kerf.number("radius_mm", {.min = 0.05, .max = 0.22});
   read.side = kerf.choice("side", {"left", "right"});
   read.program = readProgram(file.section("program"), read.kerf_radius_mm, read.side);
   scenario.board = readBoard(file.section("board"));

@@ -78,13 +78,15 @@ FoldJudgement judgeFold(const inspect::SpaceJob& job, const std::vector<inspect:
     const inspect::SpaceFace& face = job.faces[i];
     inspect::FaceEvidence& evidence = judgement.faces.emplace_back();
     const inspect::FacePlan plan = inspect::planFace(job, i);
-    if (plan.kerfs.lines.empty()) continue;
-    vision::ExpectedFace expected;
-    expected.name = face.name;
-    expected.X_WF = face.X_WF;
-    expected.print = &face.print;
-    expected.print_sigma_mm = instruments.scan.print_sigma_mm;
-    evidence.pose = vision::locateFace(expected, views, problems);
+    // On a face without a line of the contour nothing may be burnt, however it stood.
+    if (!plan.kerfs.lines.empty()) {
+      vision::ExpectedFace expected;
+      expected.name = face.name;
+      expected.X_WF = face.X_WF;
+      expected.print = &face.print;
+      expected.print_sigma_mm = instruments.scan.print_sigma_mm;
+      evidence.pose = vision::locateFace(expected, views, problems);
+    }
     std::vector<camera::KerfTile> tiles = takeAll(cameras.kerfTiles(i));
     if (!plan.beyond.lines.empty()) evidence.beyond = scanOf(tiles, face, plan.beyond, instruments);
     evidence.scan = scanOf(std::move(tiles), face, plan.kerfs, instruments);

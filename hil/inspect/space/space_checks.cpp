@@ -71,8 +71,11 @@ std::vector<Loss> lossesOf(const std::vector<EdgeReading>& readings) {
   for (std::size_t i = 0; i < readings.size(); ++i) {
     if (readings[i].zone != EdgeZone::kJoint || !readings[i].found) continue;
     const MeanReading mean = meanReading(readings, i, 1);
-    losses.push_back(
-        {-mean.beside_mm, 2.0 * std::hypot(mean.noise_mm, sharedU_mm(readings[i], {1.0, 0.0})), i});
+    const double lost_mm = -mean.beside_mm;
+    const double U_mm = 2.0 * std::hypot(mean.noise_mm, sharedU_mm(readings[i], {1.0, 0.0}));
+    // A kerf that is hardly severed has a width that is hardly known, but it is no wider than its light.
+    const double room_mm = readings[i].most_lost_mm - lost_mm;
+    losses.push_back({lost_mm, room_mm > 0.0 ? std::min(U_mm, room_mm) : U_mm, i});
   }
   return losses;
 }
@@ -177,14 +180,13 @@ Check strayCheck(const SpaceJob& job, const std::vector<FaceEvidence>& faces, co
 std::vector<std::string> problemsOf(const SpaceJob& job, const std::vector<FaceEvidence>& faces) {
   std::vector<std::string> problems;
   for (std::size_t face = 0; face < job.faces.size(); ++face) {
-    const bool needed =
-        std::ranges::any_of(job.lines, [&](const SpaceLine& line) { return line.face == face; });
-    if (!needed) continue;
     for (const std::string& problem : faces[face].scan.problems)
       problems.push_back(fmt::format("face {}: {}", job.faces[face].name, problem));
-    if (faces[face].scan.entities.empty())
-      problems.push_back(fmt::format("face {}: no picture of its kerf", job.faces[face].name));
-    if (!faces[face].pose)
+    if (faces[face].scan.units.empty())
+      problems.push_back(fmt::format("face {}: no picture tells where its kerf lies", job.faces[face].name));
+    const bool has_lines =
+        std::ranges::any_of(job.lines, [&](const SpaceLine& line) { return line.face == face; });
+    if (has_lines && !faces[face].pose)
       problems.push_back(fmt::format("face {}: nothing tells how it stood", job.faces[face].name));
   }
   return problems;

@@ -106,10 +106,12 @@ struct FaceReader {
   const FaceEvidence& evidence;
   FaceErrors errors;
 
-  /// Reads a kerf that is looked at from the way `from_mm` of its line on.
-  void read(const vision::EntityKerf& kerf, double from_mm, const LineInSpace& line,
-            std::vector<EdgeReading>& readings) const {
-    for (const vision::Caliper& caliper : kerf.calipers) {
+  /// Reads a kerf that is looked at from the way `from_mm` of its line on; `seen` is the same with the widths
+  /// by the light.
+  void read(const vision::EntityKerf& kerf, const vision::EntityKerf& seen, double from_mm,
+            const LineInSpace& line, std::vector<EdgeReading>& readings) const {
+    for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
+      const vision::Caliper& caliper = kerf.calipers[i];
       EdgeReading reading;
       reading.line = line.index;
       reading.way_mm = from_mm + caliper.station_mm;
@@ -120,9 +122,25 @@ struct FaceReader {
       reading.found = evidence.pose && caliper.found && std::isfinite(caliper.offset_mm) &&
                       std::isfinite(caliper.width_mm) && caliper.width_mm > 0.0;
       reading.beside_mm = reading.above_mm = std::numeric_limits<double>::quiet_NaN();
-      if (reading.found) place(kerf, caliper, line, reading);
+      if (reading.found) {
+        place(kerf, caliper, line, reading);
+        boundByLight(seen, i, reading);
+      }
       readings.push_back(std::move(reading));
     }
+  }
+
+  static void boundByLight(const vision::EntityKerf& seen, std::size_t i, EdgeReading& reading) {
+    const vision::Caliper& caliper = seen.calipers[i];
+    const double wider_mm = 0.5 * caliper.width_mm - reading.half_mm;
+    double square_mm2 =
+        caliper.sigma_mm * caliper.sigma_mm + 0.25 * (caliper.width_sigma_mm * caliper.width_sigma_mm +
+                                                      seen.widening_sigma_mm * seen.widening_sigma_mm);
+    for (std::size_t k = 0; k < reading.sources.size(); ++k) {
+      const double mode_mm = reading.beside_modes[static_cast<Eigen::Index>(k)];
+      if (reading.sources[k] != kByKerfWidth) square_mm2 += mode_mm * mode_mm;
+    }
+    reading.most_lost_mm = wider_mm - reading.beside_mm + 2.0 * std::sqrt(square_mm2);
   }
 
   void place(const vision::EntityKerf& kerf, const vision::Caliper& caliper, const LineInSpace& line,
@@ -130,6 +148,7 @@ struct FaceReader {
     // Offsets are positive to the left of the line, `beside` is to the kerf's side of it.
     const double middle_mm = line.side * caliper.offset_mm;
     const double half_mm = 0.5 * caliper.width_mm;
+    reading.half_mm = half_mm;
     const Vector2d& beside_F = line.line->beside_F;
     const Vector2d edge_F_mm = caliper.p_S_mm + (middle_mm - half_mm) * beside_F;
     const double steady_mm = std::min(kFlanks * caliper.steady_sigma_mm, caliper.sigma_mm);
@@ -183,7 +202,8 @@ std::vector<EdgeReading> readEdges(const SpaceJob& job, const std::vector<FaceEv
     for (const auto& [scan, drawing] :
          {std::pair(&faces[face].scan, &plan.kerfs), std::pair(&faces[face].beyond, &plan.beyond)}) {
       vision::KerfScan severed = severedOf(*scan, job, *drawing, instruments);
-      for (vision::EntityKerf& kerf : severed.entities) {
+      for (std::size_t i = 0; i < severed.entities.size(); ++i) {
+        vision::EntityKerf& kerf = severed.entities[i];
         const auto k = static_cast<std::size_t>(kerf.entity);
         // How well the picture's blur is known the whole kerfs tell.
         if (scan == &faces[face].beyond && !faces[face].scan.entities.empty()) {
@@ -191,7 +211,8 @@ std::vector<EdgeReading> readEdges(const SpaceJob& job, const std::vector<FaceEv
           kerf.widening_mm = whole.widening_mm;
           kerf.widening_sigma_mm = std::hypot(kerf.widening_sigma_mm, whole.widening_sigma_mm);
         }
-        reader.read(kerf, drawing->from_mm.at(k), inSpace(job, drawing->lines.at(k), contour), readings);
+        reader.read(kerf, scan->entities[i], drawing->from_mm.at(k),
+                    inSpace(job, drawing->lines.at(k), contour), readings);
       }
     }
   }

@@ -50,6 +50,9 @@ struct EdgeReading {
   /// From the line of the contour in space to the edge, at a right angle to the line: in the face towards the
   /// kerf (< 0: into the piece), and along the face's normal as it is drawn. NaN unless found.
   double beside_mm{}, above_mm{};
+  double half_mm{};  ///< Half of the severed width.
+  /// Bound (k = 2) of -beside_mm by where light comes through: the board is severed no farther than that.
+  double most_lost_mm{};
   double noise_mm{};  ///< Standard deviation of beside_mm that no other reading has in common.
   /// What a standard deviation of each shared error moves both by; errors of one face are in common.
   Eigen::VectorXd beside_modes, above_modes;

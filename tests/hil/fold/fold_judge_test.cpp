@@ -68,6 +68,27 @@ TEST_F(FoldJudge, ALostKerfPictureMakesTheEvidenceInvalid) {
   EXPECT_EQ(judge().result.verdict, inspect::Verdict::kInvalid);
 }
 
+TEST(FoldJudgeOfOneFace, ABurnOnAFaceWithoutAContourFails) {
+  const base::TempFolder temp;
+  (void)temp.write("line.xyz", "20 22 0 0 0 1\n20 48 0 0 0 1\n");
+  const std::string cut = "G00 X19.8 Y22 Z0 A0 C0\nG01 Y48\n";
+  const std::string burn = "G00 X48.6603 Y40 Z-5 A30 C90\nG01 Y44\n";
+  for (const bool burns : {false, true}) {
+    (void)temp.write("p.gcode", burns ? cut + burn : cut);
+    const FoldScenario scenario = readFoldScenario(
+        temp.write("s.yaml", "extends: '" + base::fixture("fold/shallow-edge.yaml").string() +
+                                 "'\nname: s\ncontour: line.xyz\nprogram: {gcode: p.gcode}\n"));
+    const twin::FoldedCut done = cutOnTwin(scenario);
+    TwinFoldCameras cameras(scenario, done, 1);
+    const inspect::SpaceResult result = judgeFold(scenario.job, scenario.contour, instrumentsOf(scenario, 1),
+                                                  scenario.limits, cameras, scenario.seed)
+                                            .result;
+    EXPECT_EQ(result.verdict, burns ? inspect::Verdict::kFail : inspect::Verdict::kPass);
+    EXPECT_EQ(result.checks.back().name, "space_stray");
+    EXPECT_EQ(result.checks.back().verdict, burns ? inspect::Verdict::kFail : inspect::Verdict::kPass);
+  }
+}
+
 TEST_F(FoldJudge, PosesAndEdgesAreThoseOfTheModelWithinTheirUncertainty) {
   const FoldJudgement judgement = judge();
   ASSERT_EQ(judgement.result.verdict, inspect::Verdict::kPass);

@@ -124,7 +124,7 @@ TEST_F(SpaceChecks, WithoutAPoseOrAScanNothingIsProven) {
   evidence_.pose.reset();
   EXPECT_EQ(judge().verdict, Verdict::kInvalid);
   evidence_ = whole;
-  evidence_.scan.entities.clear();
+  evidence_.scan.units.clear();
   EXPECT_EQ(judge().verdict, Verdict::kInvalid);
   evidence_ = whole;
   evidence_.scan.problems.emplace_back("no tile");
