@@ -34,8 +34,19 @@ double longestUnread_mm(const std::vector<EdgeReading>& readings) {
 Check pathCheck(const SpaceJob& job, const SpaceResult& result, const SpaceTolerances& limits) {
   Check check{.name = "space_path", .title = "Distance of the edge from the contour in space", .unit = "mm"};
   check.limit = limits.path_mm;
-  check.value = result.worst.value.value;
-  check.u = check.guard = result.worst.value.U;
+  const WorstDistance& worst = result.worst;
+  std::size_t place = worst.reading;
+  check.value = worst.value.value;
+  check.u = check.guard = worst.value.U;
+  if (decide(check) != Verdict::kFail && worst.surest.value - worst.surest.U > check.limit) {
+    // Another place is known better, and beyond the limit.
+    check.value = worst.surest.value;
+    check.u = check.guard = worst.surest.U;
+    place = worst.surest_reading;
+  } else if (check.verdict == Verdict::kPass) {
+    // A place that is known less well may be farther off than the worst as read.
+    check.u = check.guard = std::max(check.u, worst.most_mm - check.value);
+  }
   if (const double unread_mm = longestUnread_mm(result.readings); unread_mm > limits.uncut_mm) {
     check.value = kNan;
     check.explanation = fmt::format(
@@ -43,17 +54,17 @@ Check pathCheck(const SpaceJob& job, const SpaceResult& result, const SpaceToler
   }
   decide(check);
   if (!check.explanation.empty()) return check;
-  if (result.worst.readings == 0) {
+  if (worst.readings == 0) {
     check.explanation = "No edge was found along the contour away from joints.";
     return check;
   }
-  const EdgeReading& at = result.readings[result.worst.reading];
+  const EdgeReading& at = result.readings[place];
   check.subject = placeOf(job, at);
   check.explanation = fmt::format(
       "Of {} readings the farthest lies {:.4f} mm off: {:.4f} mm {} in the face and {:.4f} mm {} the face as "
       "it "
       "is drawn.",
-      result.worst.readings, result.worst.as_read_mm, std::abs(at.beside_mm),
+      worst.readings, at.distance_mm(), std::abs(at.beside_mm),
       at.beside_mm < 0.0 ? "into the piece" : "short of the kerf's side", std::abs(at.above_mm),
       at.above_mm < 0.0 ? "behind" : "before");
   return check;

@@ -91,9 +91,16 @@ WorstDistance worstDistance(const std::vector<EdgeReading>& readings, std::uint6
     truth_mm = std::max(truth_mm, truth.back().norm());
     const MeanReading mean = meanReading(readings, i, kHalfWindow);
     const Vector2d off(mean.beside_mm, mean.above_mm);
-    worst.shared_u_mm = std::max(worst.shared_u_mm, sharedU_mm(readings[i], off));
+    const double shared_u_mm = sharedU_mm(readings[i], off);
+    const double U_mm = 2.0 * std::hypot(mean.noise_mm, shared_u_mm);
+    worst.most_mm = std::max(worst.most_mm, off.norm() + U_mm);
+    if (judged.size() == 1 || off.norm() - U_mm > worst.surest.value - worst.surest.U) {
+      worst.surest = {off.norm(), U_mm};
+      worst.surest_reading = i;
+    }
     if (off.norm() <= worst.as_read_mm) continue;
     worst.as_read_mm = off.norm();
+    worst.shared_u_mm = shared_u_mm;
     worst.reading = i;
   }
   worst.readings = judged.size();

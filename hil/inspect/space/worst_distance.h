@@ -18,7 +18,11 @@ struct WorstDistance {
   std::size_t reading{};   ///< Where, in the readings.
   std::size_t readings{};  ///< How many were judged.
   double noise_u_mm{};     ///< Standard uncertainty by noise, as simulated.
-  double shared_u_mm{};    ///< Standard uncertainty by what readings have in common, at its largest.
+  double shared_u_mm{};    ///< Standard uncertainty at the worst place by what readings have in common.
+  double most_mm{};        ///< Largest of all distances with their own U: none is shown to be beyond it.
+  /// The distance whose difference from its own U (k = 2) is the largest.
+  Quantity surest;
+  std::size_t surest_reading{};
   std::array<double, kEdgeSources> source_u_mm{};  ///< Parts of it at the worst place.
 };
 
@@ -27,8 +31,8 @@ struct WorstDistance {
 ///
 /// The largest of noisy distances is too large on average. By how much, and how far it scatters, is simulated
 /// 400 times with noise alone, from a likely truth: the readings' means over 1.1 mm. Errors that readings
-/// have in common are not taken off: they are added to U with what they come to in the direction of each
-/// reading's own deviation, at the largest of all readings.
+/// have in common are not taken off: they are added to U with what they come to in the direction of the
+/// reading's own deviation. Readings that are known less well than the worst are not lost: see most_mm.
 WorstDistance worstDistance(const std::vector<EdgeReading>& readings, std::uint64_t seed);
 
 /// A reading averaged with its neighbours on the line, `half` to each side as far as they are found and
