@@ -25,12 +25,13 @@ double sweepBetween(double start_rad, double end_rad) {
 
 class Reader {
  public:
-  Reader(const std::vector<DxfRecord>& records, std::size_t index, FaultList& faults)
+  Reader(const std::vector<DxfRecord>& records, std::size_t index, FaultList& faults, NoteList& notes)
       : records_(records),
         index_(index),
         record_(records[index]),
         fields_(record_, faults),
-        faults_(faults) {}
+        faults_(faults),
+        notes_(notes) {}
 
   std::vector<DxfCurve> read() {
     const std::string_view type = record_.type();
@@ -110,10 +111,13 @@ class Reader {
     const double ratio = fields_.number(40);
     const double start = fields_.number(41, 0.0);
     const double sweep = sweepBetween(start, fields_.number(42, 2 * pi));
-    if (!(major.norm() > 0) || !(ratio > 0) || ratio > 1 + 1e-6) {
-      faults_.add(record_.line(), "ELLIPSE without extent, or its ratio is not in (0, 1]");
+    if (!(major.norm() > 0) || !(ratio > 0)) {
+      faults_.add(record_.line(), "ELLIPSE without extent, or its ratio is not > 0");
       return;
     }
+    if (ratio > 1 + 1e-6)
+      notes_.add(record_.line(), "ELLIPSE with a ratio above 1",
+                 "read with the second axis as the longer one");
     const Vector2d minor = sign * ratio * Vector2d(-major.y(), major.x());
     if (std::abs(ratio - 1) < 1e-12) {
       emit(ArcCurve{c, major.norm(), std::atan2(major.y(), major.x()) + sign * start, sign * sweep});
@@ -173,7 +177,8 @@ class Reader {
 
   void segments(const std::vector<Vertex>& vertices, bool closed) {
     if (vertices.size() < 2) {
-      faults_.add(record_.line(), fmt::format("{} has fewer than 2 vertices", record_.type()));
+      notes_.add(record_.line(), fmt::format("{} with fewer than 2 vertices", record_.type()),
+                 "left out: there is no line in it");
       return;
     }
     const std::size_t count = closed ? vertices.size() : vertices.size() - 1;
@@ -240,6 +245,7 @@ class Reader {
   DxfRecord record_;
   DxfFields fields_;
   FaultList& faults_;
+  NoteList& notes_;
   std::vector<DxfCurve> curves_;
 };
 
@@ -256,8 +262,9 @@ double extrusionSign(const DxfRecord& record, FaultList& faults) {
   return z > 0 ? 1.0 : -1.0;
 }
 
-std::vector<DxfCurve> dxfCurves(const std::vector<DxfRecord>& records, std::size_t index, FaultList& faults) {
-  return Reader(records, index, faults).read();
+std::vector<DxfCurve> dxfCurves(const std::vector<DxfRecord>& records, std::size_t index, FaultList& faults,
+                                NoteList& notes) {
+  return Reader(records, index, faults, notes).read();
 }
 
 }  // namespace kerfbench::dieline

@@ -7,6 +7,7 @@
 
 #include "hil/dieline/dxf_tags.h"
 #include "hil/dieline/geometry.h"
+#include "hil/dieline/notes.h"
 
 namespace kerfbench::dieline {
 
@@ -22,9 +23,11 @@ class DxfUnsupported : public std::runtime_error {
 };
 
 /// The curves of entity `index`, a POLYLINE with its VERTEX records behind it. Coordinates are in the world
-/// frame of the drawing (or block): a downward extrusion direction is undone here.
+/// frame of the drawing (or block): a downward extrusion direction is undone here. What is mended (a polyline
+/// of one vertex is nothing, an ellipse may have its longer axis second) is noted.
 /// @throws DxfUnsupported
-std::vector<DxfCurve> dxfCurves(const std::vector<DxfRecord>& records, std::size_t index, FaultList& faults);
+std::vector<DxfCurve> dxfCurves(const std::vector<DxfRecord>& records, std::size_t index, FaultList& faults,
+                                NoteList& notes);
 
 /// -1 for an extrusion direction of (0, 0, -1), +1 for (0, 0, 1); the entity's x counts times this sign.
 /// @throws DxfUnsupported for a tilted one.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/dieline/dxf_tags.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -14,6 +15,8 @@ void cutIntoTags(DxfFile& file, FaultList& faults) {
   std::string_view rest = file.text;
   if (rest.starts_with("AutoCAD Binary DXF")) faults.fatal(0, "binary DXF is not read; save it as ASCII DXF");
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
+  // Counted first: a vector that grows would hold the largest file's groups twice.
+  file.tags.reserve(static_cast<std::size_t>(std::count(rest.begin(), rest.end(), '\n')) / 2 + 1);
   int line = 0;
   const auto nextLine = [&]() -> std::optional<std::string_view> {
     if (rest.empty()) return std::nullopt;
@@ -31,7 +34,7 @@ void cutIntoTags(DxfFile& file, FaultList& faults) {
     }
     const auto value = nextLine();
     if (!value) faults.fatal(line, "the file ends inside a group: truncated?");
-    file.tags.push_back({*code, *value, line});
+    file.tags.push_back({*code, line, *value});
     if (*code == 0 && *value == "EOF") return;
   }
   faults.fatal(line, "the file ends without EOF: truncated, or no DXF file");
@@ -139,6 +142,8 @@ void parseDxf(std::string text, DxfFile& file, FaultList& faults) {
     const auto body = tags.subspan(begin, end - begin);
     if (name == "HEADER") readHeader(body, file);
     if (name == "BLOCKS" && !body.empty()) readBlocks(recordsOf(body), file, faults);
+    if (name == "TABLES" && !body.empty()) file.tables = recordsOf(body);
+    if (name == "OBJECTS" && !body.empty()) file.objects = recordsOf(body);
     if (name == "ENTITIES") {
       has_entities = true;
       if (!body.empty()) file.entities = recordsOf(body);

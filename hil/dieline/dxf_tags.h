@@ -19,8 +19,8 @@ namespace kerfbench::dieline {
 /// One group: its code, its text without surrounding blanks, and the line of the text (counted from 1).
 struct DxfTag {
   int code{};
-  std::string_view text;
   int line{};
+  std::string_view text;
 };
 
 /// An object of the file: everything from one group 0 to the next. tags[0] is the group 0 itself.
@@ -62,6 +62,8 @@ struct DxfFile {
   std::map<std::string, DxfTag, std::less<>> header;    ///< First group of each variable, by $NAME.
   std::map<std::string, DxfBlock, std::less<>> blocks;  ///< Blocks by name in lower case.
   std::vector<DxfRecord> entities;
+  std::vector<DxfRecord> tables;   ///< Of the section TABLES.
+  std::vector<DxfRecord> objects;  ///< Of the section OBJECTS.
 };
 
 /// Cuts `text` (a whole ASCII DXF file) into `file`.

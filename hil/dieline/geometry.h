@@ -89,7 +89,8 @@ inline Process drawnFor(const Entity& entity) { return entity.left_out.value_or(
 struct Dieline {
   std::string path;
   std::vector<Entity> entities;
-  std::vector<std::string> notes;  ///< What the reader left out or says of the file; whole sentences.
+  /// What the file holds besides and what was mended, one sentence for each kind: "TEXT: 3 are ignored, …".
+  std::vector<std::string> notes{};
 
   /// Box around all entities that are not kIgnore; exact to 1e-6 mm. Empty box if there is none.
   [[nodiscard]] Eigen::AlignedBox2d bounds() const;

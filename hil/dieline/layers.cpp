@@ -53,7 +53,10 @@ std::optional<Process> processFor(const LayerProfile& profile, std::string_view 
 }
 
 bool hasRule(const LayerProfile& profile, std::string_view layer) {
-  return ruleFor(profile, layer) != nullptr;
+  const std::string key = lowered(layer);
+  return ruleFor(profile, layer) != nullptr ||
+         std::any_of(profile.styled.begin(), profile.styled.end(),
+                     [&](const auto& entry) { return entry.first != "*" && lowered(entry.first) == key; });
 }
 
 }  // namespace kerfbench::dieline

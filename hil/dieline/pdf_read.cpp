@@ -128,9 +128,10 @@ class PdfDrawing : public PdfSink {
 
 }  // namespace
 
-Dieline readPdf(const std::string& bytes, const LayerProfile& profile, FaultList& faults) {
+Dieline readPdf(const std::string& bytes, const DrawingOptions& options, FaultList& faults) {
+  if (options.unit) faults.fatal(0, "a PDF file says its unit itself: leave 'unit' out, or use 'scale'");
   const PdfDocument document = readPdfDocument(bytes, faults);
-  return PdfDrawing(document, profile, faults).read();
+  return PdfDrawing(document, options.layers, faults).read();
 }
 
 }  // namespace kerfbench::dieline

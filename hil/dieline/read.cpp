@@ -2,6 +2,8 @@
 #include "hil/dieline/read.h"
 
 #include <fstream>
+#include <map>
+#include <numbers>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -29,6 +31,14 @@ std::string contentsOf(const std::filesystem::path& path, FaultList& faults) {
   return text;
 }
 
+/// Scales, turns and shifts a drawing as it is told; a drawing without any of it keeps its very numbers.
+void place(Dieline& dieline, const DrawingOptions& options) {
+  if (options.scale == 1.0 && options.turn_deg == 0.0 && options.shift_mm.isZero(0.0)) return;
+  Eigen::Affine2d X(Eigen::Translation2d(options.shift_mm));
+  X.rotate(options.turn_deg * std::numbers::pi / 180).scale(options.scale);
+  for (Entity& entity : dieline.entities) entity.curve = transformed(entity.curve, X);
+}
+
 /// Nested scales can leave the range of a sheet although each number of the file is sound.
 void checkRange(const Dieline& dieline, FaultList& faults) {
   constexpr double kFarthest_mm = 1e6;
@@ -44,20 +54,53 @@ void checkRange(const Dieline& dieline, FaultList& faults) {
 
 }  // namespace
 
+double millimetresOf(DrawingUnit unit) {
+  switch (unit) {
+    case DrawingUnit::kMillimetre:
+      return 1.0;
+    case DrawingUnit::kCentimetre:
+      return 10.0;
+    case DrawingUnit::kInch:
+      return 25.4;
+    case DrawingUnit::kPoint:
+      return 25.4 / 72;
+    case DrawingUnit::kPixel:
+      return 25.4 / 96;
+  }
+  return 1.0;
+}
+
+std::optional<DrawingUnit> drawingUnitFromName(std::string_view name) {
+  static const std::map<std::string, DrawingUnit, std::less<>> kUnits{{"mm", DrawingUnit::kMillimetre},
+                                                                      {"cm", DrawingUnit::kCentimetre},
+                                                                      {"in", DrawingUnit::kInch},
+                                                                      {"pt", DrawingUnit::kPoint},
+                                                                      {"px", DrawingUnit::kPixel}};
+  const auto found = kUnits.find(lowered(name));
+  return found == kUnits.end() ? std::nullopt : std::optional(found->second);
+}
+
 Dieline readDieline(const std::filesystem::path& path, const LayerProfile& profile) {
+  DrawingOptions options;
+  options.layers = profile;
+  return readDieline(path, options);
+}
+
+Dieline readDieline(const std::filesystem::path& path, const DrawingOptions& options) {
   FaultList faults(path.string());
   const std::string extension = lowered(path.extension().string());
   Dieline dieline;
   if (extension == ".dxf") {
-    dieline = readDxf(contentsOf(path, faults), profile, faults);
+    dieline = readDxf(contentsOf(path, faults), options, faults);
   } else if (extension == ".svg") {
-    dieline = readSvg(contentsOf(path, faults), profile, faults);
+    dieline = readSvg(contentsOf(path, faults), options, faults);
   } else if (const auto format = fileFormatOf(path)) {
-    dieline = (*format == FileFormat::kCf2 ? readCf2 : readPdf)(contentsOf(path, faults), profile, faults);
+    dieline = (*format == FileFormat::kCf2 ? readCf2 : readPdf)(contentsOf(path, faults), options, faults);
   } else {
     faults.fatal(
         0, fmt::format("extension {} is not supported; .dxf, .svg, .pdf and .cf2 are", inQuotes(extension)));
   }
+  place(dieline, options);
   checkRange(dieline, faults);
   faults.throwIfAny();
   return dieline;

@@ -15,11 +15,24 @@
 
 namespace kerfbench::dieline {
 
+/// What a layer's lines are for, told apart by how they are drawn.
+struct StyleRules {
+  /// By colour: #rrggbb in lower case, or the number of a DXF colour above 6 (see normalColour()).
+  std::map<std::string, Process> colour;
+  /// By name of the linetype, in lower case; "continuous" and "dashed" for an SVG.
+  std::map<std::string, Process> linetype;
+  /// By colour and linetype, with a blank between them.
+  std::map<std::string, Process> both;
+  std::optional<Process> other;  ///< For lines of the layer that no rule above names.
+};
+
 /// Layer name or stroke colour (#rrggbb, lower case) -> process. A layer that no rule names is an error, so
-/// that nothing is forgotten in silence; "*" is the rule for all others.
+/// that nothing is forgotten in silence; "*" is the rule for all others. Lines of one layer that are drawn
+/// differently, by colour or linetype, are an error as well unless `styled` tells what they are for.
 struct LayerProfile {
   std::string name;
   std::map<std::string, Process> rules;
+  std::map<std::string, StyleRules> styled{};  ///< A layer is in one of the two maps.
 };
 /// The house's usual names: cut/CUT/dieline/0/#000000/#ff0000 cut; crease/#0000ff/#00ff00; halfcut, kiss;
 /// perf; …
@@ -35,8 +48,26 @@ class DielineError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Length of one unit of a drawing, for files that do not say it or say it wrong.
+enum class DrawingUnit { kMillimetre, kCentimetre, kInch, kPoint, kPixel };
+/// Millimetres of a unit; a point is 1/72 inch, a pixel 1/96 inch (CSS 2.1, 4.3.2).
+double millimetresOf(DrawingUnit unit);
+/// "mm", "cm", "in", "pt" or "px"; nothing for anything else.
+std::optional<DrawingUnit> drawingUnitFromName(std::string_view name);
+
+/// How a drawing is to be read.
+struct DrawingOptions {
+  LayerProfile layers{defaultLayerProfile()};
+  std::optional<DrawingUnit> unit{};  ///< Of the coordinates in the file; nothing: as the file says.
+  /// The drawing is scaled and turned about the sheet's origin, then shifted. Range of the scale: > 0.
+  double scale{1.0};
+  double turn_deg{};  ///< Counter-clockwise.
+  Eigen::Vector2d shift_mm{Eigen::Vector2d::Zero()};
+};
+
 /// Reads .dxf (ASCII, R12 to 2018) or .svg by its extension.
 /// @throws DielineError with everything wrong listed at once.
+Dieline readDieline(const std::filesystem::path& path, const DrawingOptions& options);
 Dieline readDieline(const std::filesystem::path& path, const LayerProfile& profile);
 
 /// One remark of the checker.
@@ -47,7 +78,22 @@ struct LintFinding {
   Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};
   std::string layer;
   std::string message;  ///< One sentence with the entities, their origin and the measure.
+  double size_mm{};     ///< Length that is wrong, mm; the larger, the worse.
 };
+/// The worst findings of each kind, by size, and how many there are of each.
+struct LintReport {
+  std::vector<LintFinding> findings;  ///< Sorted as the kinds are, then by size, the largest first.
+  std::map<LintFinding::Kind, std::size_t> counts;
+};
+/// Checks a drawing in n log n steps. `most`: findings that are kept of each kind, the worst.
+LintReport lintDieline(const Dieline& dieline, std::size_t most);
+/// All findings.
 std::vector<LintFinding> lintDieline(const Dieline& dieline);
+
+/// Name of a kind for people and options: "duplicate", "overlap", "gap", "zero-length", "open-outline",
+/// "suspicious-size", "empty".
+std::string_view lintName(LintFinding::Kind kind);
+/// The kind of this name, upper and lower case alike.
+std::optional<LintFinding::Kind> lintKindFromName(std::string_view name);
 
 }  // namespace kerfbench::dieline

@@ -11,13 +11,16 @@ namespace kerfbench::dieline {
 
 /// Most entities of a file, those of nested blocks included.
 inline constexpr std::size_t kMostEntities = 1'000'000;
+/// Lines no longer than this are none, mm.
+inline constexpr double kNothing_mm = 1e-9;
 inline constexpr int kDeepestNesting = 16;  ///< Most levels of INSERT in INSERT, and of use in use.
 inline constexpr std::size_t kLargestFile = 256U << 20U;  ///< Most bytes of a file.
 
 /// Reads the whole text of a file and numbers its entities. @throws DielineError
-Dieline readDxf(std::string text, const LayerProfile& profile, FaultList& faults);
-Dieline readSvg(const std::string& text, const LayerProfile& profile, FaultList& faults);
-Dieline readCf2(const std::string& text, const LayerProfile& profile, FaultList& faults);
-Dieline readPdf(const std::string& bytes, const LayerProfile& profile, FaultList& faults);
+Dieline readDxf(std::string text, const DrawingOptions& options, FaultList& faults);
+Dieline readSvg(const std::string& text, const DrawingOptions& options, FaultList& faults);
+/// These say how long a unit is: an option that says it again is a fault.
+Dieline readCf2(const std::string& text, const DrawingOptions& options, FaultList& faults);
+Dieline readPdf(const std::string& bytes, const DrawingOptions& options, FaultList& faults);
 
 }  // namespace kerfbench::dieline

@@ -9,23 +9,20 @@
 #include <pugixml.hpp>
 
 #include "hil/dieline/geometry.h"
+#include "hil/dieline/layer_styles.h"
+#include "hil/dieline/notes.h"
 #include "hil/dieline/readers.h"
+#include "hil/dieline/svg_bombs.h"
+#include "hil/dieline/svg_clip.h"
+#include "hil/dieline/svg_context.h"
+#include "hil/dieline/svg_css.h"
+#include "hil/dieline/svg_page.h"
 #include "hil/dieline/svg_shapes.h"
 #include "hil/dieline/svg_style.h"
 #include "hil/dieline/text.h"
 
 namespace kerfbench::dieline {
 namespace {
-
-/// What children inherit.
-struct Context {
-  Eigen::Affine2d X{Eigen::Affine2d::Identity()};  ///< User units here -> mm in S.
-  std::string stroke{"none"};
-  bool is_visible{true};
-  std::vector<std::string> layers;  ///< Labels of the enclosing Inkscape layers, outermost first.
-  int uses{};
-  int depth{};
-};
 
 bool isOneOf(std::string_view name, std::initializer_list<std::string_view> names) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -38,10 +35,15 @@ bool drawsNothing(std::string_view name) {
          name.find(':') != std::string_view::npos;  // Data of other programs, such as sodipodi:namedview.
 }
 
+/// Things beside the lines of a drawing.
+bool isSvgBesideTheLines(std::string_view name) {
+  return isOneOf(name, {"text", "image", "foreignObject", "flowRoot", "video", "audio"});
+}
+
 class SvgReader {
  public:
-  SvgReader(const std::string& text, const LayerProfile& profile, FaultList& faults)
-      : text_(text), profile_(profile), faults_(faults) {}
+  SvgReader(const std::string& text, const DrawingOptions& options, FaultList& faults)
+      : text_(text), options_(options), profile_(options.layers), faults_(faults), census_(options.layers) {}
 
   Dieline read() {
     dieline_.path = faults_.path();
@@ -53,11 +55,21 @@ class SvgReader {
     if (!result)
       faults_.fatal(lineAt(result.offset), fmt::format("is not well-formed XML: {}", result.description()));
     const pugi::xml_node root = document.document_element();
-    if (std::string_view(root.name()) != "svg")
-      faults_.fatal(lineOf(root), "the outermost element is not svg");
+    if (svgName(root) != "svg") faults_.fatal(lineOf(root), "the outermost element is not svg");
     index(root, 0);
-    group(root, documentContext(root));
+    refuseSvgBombs(
+        root, by_id_, [this](const pugi::xml_node& node) { return lineOf(node); }, faults_);
+    const auto prolog = std::string_view(text_).substr(
+        0, static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, root.offset_debug())));
+    const SvgPage page = svgPage(root, prolog, options_, lineOf(root), faults_);
+    px_per_inch_ = page.px_per_inch;
+    SvgContext context;
+    context.X = page.X;
+    context.viewport = page.size;
+    if (const auto inside = enter(root, context)) children(root, *inside);
+    census_.refuseMixed(faults_);
     faults_.throwIfAny();
+    dieline_.notes = notes_.sentences();
     return std::move(dieline_);
   }
 
@@ -73,12 +85,17 @@ class SvgReader {
   void index(const pugi::xml_node& node, int depth) {
     checkDepth(node, depth);
     if (const auto id = node.attribute("id")) by_id_.emplace(id.value(), node);
-    if (std::string_view(node.name()) == "style") {
+    if (svgName(node) == "style") {
       std::string css;
       for (const pugi::xml_node& text : node.children()) css += text.value();
-      if (const auto unknown = sheet_.add(css)) {
+      const std::string media = lowered(trimmed(node.attribute("media").value()));
+      if (!media.empty() && media != "all" && media != "screen")
+        faults_.add(lineOf(node), fmt::format("style for the medium {} is not supported", inQuotes(media)));
+      for (const std::string& unknown : sheet_.add(css)) {
         faults_.add(lineOf(node),
-                    fmt::format("style selector {} is not supported; classes are", inQuotes(*unknown)));
+                    fmt::format("style selector {} is not supported; those by element, class, id and "
+                                "attribute are",
+                                inQuotes(unknown)));
       }
     }
     for (const pugi::xml_node& child : node.children()) index(child, depth + 1);
@@ -90,228 +107,271 @@ class SvgReader {
       faults_.fatal(lineOf(node), fmt::format("elements are nested deeper than {}", kDeepestElement));
   }
 
-  std::optional<double> length(const pugi::xml_node& node, const char* name) {
-    const auto attribute = node.attribute(name);
-    if (!attribute || trimmed(attribute.value()) == "100%" || trimmed(attribute.value()) == "auto")
-      return std::nullopt;
-    const auto value = svgLength(attribute.value());
-    if (!value)
-      faults_.add(lineOf(node), fmt::format("{} is no length: {}", name, inQuotes(attribute.value())));
+  std::optional<double> length(const pugi::xml_node& node, const char* name, double whole) {
+    std::string fault;
+    const auto value = svgLengthOf(node, name, px_per_inch_, whole, fault);
+    if (!fault.empty()) faults_.add(lineOf(node), fault);
     return value;
   }
 
-  SvgViewport viewport(const pugi::xml_node& node, std::optional<double> width,
-                       std::optional<double> height) {
-    SvgViewport port;
-    if (const auto attribute = node.attribute("viewBox")) {
-      SvgScanner scanner(attribute.value());
-      std::array<double, 4> v{};
-      for (double& value : v) {
-        const auto number = scanner.number();
-        if (!number) {
-          faults_.add(lineOf(node), fmt::format("viewBox is broken: {}", inQuotes(attribute.value())));
-          return port;
-        }
-        value = *number;
-      }
-      port.view_box =
-          Eigen::AlignedBox2d(Eigen::Vector2d(v[0], v[1]), Eigen::Vector2d(v[0] + v[2], v[1] + v[3]));
-    }
-    port.width = width.value_or(port.view_box ? port.view_box->sizes().x() : 0.0);
-    port.height = height.value_or(port.view_box ? port.view_box->sizes().y() : 0.0);
-    port.aspect = node.attribute("preserveAspectRatio").value();
-    return port;
-  }
-
-  Eigen::Affine2d fit(const pugi::xml_node& node, const SvgViewport& port) {
-    const auto X = port.fit();
-    if (!X)
-      faults_.add(
-          lineOf(node),
-          "width, height, viewBox or preserveAspectRatio do not fit a drawing (slice is not supported)");
-    return X.value_or(Eigen::Affine2d::Identity());
-  }
-
-  Context documentContext(const pugi::xml_node& root) {
-    const SvgViewport port = viewport(root, length(root, "width"), length(root, "height"));
-    if (!(port.height > 0))
-      faults_.add(lineOf(root), "svg has neither a height nor a viewBox: where is its bottom?");
-    constexpr double kMmPerPx = 25.4 / 96;
-    Context context;
-    context.X.scale(Eigen::Vector2d(kMmPerPx, -kMmPerPx)).translate(Eigen::Vector2d(0, -port.height));
-    context.X = context.X * fit(root, port);
-    return context;
-  }
-
-  void apply(const pugi::xml_node& node, std::string_view name, std::string_view value, Context& context,
-             bool& is_shown) {
-    if (name == "stroke") {
-      if (isOneOf(value, {"inherit"})) return;
-      const auto colour = svgColour(value);
-      if (!colour) faults_.add(lineOf(node), fmt::format("stroke is no plain colour: {}", inQuotes(value)));
-      context.stroke = colour.value_or("none");
-    } else if (name == "display") {
-      if (value == "none") is_shown = false;
-    } else if (name == "visibility") {
-      if (value != "inherit") context.is_visible = value == "visible";
-    } else if (name == "clip-path" || name == "mask") {
-      if (value != "none" && !value.empty())
-        faults_.add(lineOf(node), fmt::format("{} is not supported", name));
-    } else if (name == "transform" && !value.empty() && value != "none") {
-      const auto X = svgTransform(value);
-      if (!X) faults_.add(lineOf(node), fmt::format("transform is broken: {}", inQuotes(value)));
-      context.X = context.X * X.value_or(Eigen::Affine2d::Identity());
-    }
-  }
-
-  /// Context of the element itself, or nothing where it is not displayed. Presentation attributes are the
-  /// weakest, then the style sheet, then the style attribute.
-  std::optional<Context> enter(const pugi::xml_node& node, Context context) {
-    checkDepth(node, ++context.depth);
-    if (++steps_ > kMostEntities)
-      faults_.fatal(lineOf(node), fmt::format("more than {} elements", kMostEntities));
-    bool is_shown = true;
-    for (const char* name : {"stroke", "display", "visibility", "clip-path", "mask", "transform"}) {
-      if (const auto attribute = node.attribute(name))
-        apply(node, name, trimmed(attribute.value()), context, is_shown);
-    }
-    std::string_view classes = node.attribute("class").value();
-    while (!(classes = trimmed(classes)).empty()) {
-      const std::size_t end = classes.find_first_of(" \t\r\n");
-      const auto rules = sheet_.classes.find(std::string(classes.substr(0, end)));
-      classes.remove_prefix(end == std::string_view::npos ? classes.size() : end);
-      if (rules == sheet_.classes.end()) continue;
-      for (const auto& [name, value] : rules->second) apply(node, name, value, context, is_shown);
-    }
-    for (const auto& [name, value] : svgDeclarations(node.attribute("style").value()))
-      apply(node, name, value, context, is_shown);
-    if (!is_shown) return std::nullopt;
+  /// Context of the element itself, or nothing where it is not displayed.
+  std::optional<SvgContext> enter(const pugi::xml_node& node, const SvgContext& outer) {
+    checkDepth(node, outer.depth + 1);
+    if (!svgConditionsHold(node)) return std::nullopt;
+    if (std::string_view(node.attribute("style").value()).find('&') != std::string_view::npos)
+      faults_.add(lineOf(node),
+                  "style names an entity of the DOCTYPE, which is not read; save it as plain SVG");
+    SvgContext context = svgInside(outer, sheet_.styleOf(node));
+    ++context.depth;
+    if (!context.is_displayed) return std::nullopt;
+    if (!context.faults.empty()) faults_.add(lineOf(node), context.faults);
+    if (!context.clip_path.empty()) context.clips.push_back(regionOf(node, context));
     if (std::string_view(node.attribute("inkscape:groupmode").value()) == "layer") {
       context.layers.emplace_back(node.attribute("inkscape:label").value());
     }
     return context;
   }
 
+  /// The region of a clip path of one shape that is a convex polygon; else one that clips everything partly.
+  ClipRegion regionOf(const pugi::xml_node& node, const SvgContext& context) {
+    ClipRegion region{{}, "clip-path " + inQuotes(context.clip_path)};
+    std::string_view reference = context.clip_path;
+    if (!reference.starts_with("url(")) return region;
+    reference.remove_prefix(4);
+    reference = trimmed(reference.substr(0, reference.find(')')));
+    while (!reference.empty() &&
+           (reference.front() == '"' || reference.front() == '\'' || reference.front() == '#'))
+      reference.remove_prefix(1);
+    while (!reference.empty() && (reference.back() == '"' || reference.back() == '\''))
+      reference.remove_suffix(1);
+    const auto clip = by_id_.find(std::string(reference));
+    if (clip == by_id_.end()) {
+      faults_.add(lineOf(node),
+                  fmt::format("clip-path {}, which is not in the file", inQuotes(context.clip_path)));
+      return region;
+    }
+    const pugi::xml_node& path = clip->second;
+    if (svgName(path) != "clipPath" || path.attribute("clip-path") ||
+        std::string_view(path.attribute("clipPathUnits").value()) == "objectBoundingBox")
+      return region;
+    std::vector<pugi::xml_node> shapes;
+    for (const pugi::xml_node& child : path.children()) {
+      if (child.type() == pugi::node_element && !drawsNothing(svgName(child))) shapes.push_back(child);
+    }
+    if (shapes.size() != 1) return region;
+    SvgContext at = svgInside(svgInside(context, sheet_.styleOf(path)), sheet_.styleOf(shapes.front()));
+    if (!at.clip_path.empty() || !at.is_displayed) return region;
+    pugi::xml_node shape = shapes.front();
+    if (svgName(shape) == "use") {
+      at.X.translate(
+          Eigen::Vector2d(length(shape, "x", 0).value_or(0.0), length(shape, "y", 0).value_or(0.0)));
+      shape = svgUsed(shape, by_id_);
+      if (shape) at = svgInside(at, sheet_.styleOf(shape));
+    }
+    if (!shape || !isSvgShape(svgName(shape))) return region;
+    const SvgShape found = readSvgShape(shape, {0.0, px_per_inch_, at.viewport});
+    if (found.faults.empty())
+      region.corners_mm = convexPolygon(found.curves, at.X).value_or(region.corners_mm);
+    return region;
+  }
+
   /// The innermost Inkscape layer that the profile names, else the colour.
-  [[nodiscard]] std::string layerOf(const Context& context) const {
+  [[nodiscard]] std::string layerOf(const SvgContext& context) const {
     const auto named = std::find_if(context.layers.rbegin(), context.layers.rend(),
                                     [&](const auto& label) { return hasRule(profile_, label); });
     return named == context.layers.rend() ? context.stroke : *named;
   }
 
-  void group(const pugi::xml_node& node, const Context& outer) {
-    const auto context = enter(node, outer);
-    if (context) children(node, *context);
-  }
-
-  void children(const pugi::xml_node& node, const Context& context) {
+  void children(const pugi::xml_node& node, const SvgContext& context) {
     for (const pugi::xml_node& child : node.children()) {
       if (child.type() == pugi::node_element) element(child, context);
     }
   }
 
-  void element(const pugi::xml_node& node, const Context& outer) {
-    const std::string_view name = node.name();
-    if (drawsNothing(name)) return;
-    if (isOneOf(name, {"g", "a", "switch"})) {
-      group(node, outer);
-    } else if (name == "svg") {
-      if (const auto context = enter(node, outer))
-        nested(node, *context, length(node, "width"), length(node, "height"), true);
-    } else if (name == "use") {
-      use(node, outer);
-    } else if (const auto context = enter(node, outer); context && context->is_visible) {
-      if (isSvgShape(name)) {
-        shape(node, *context);
-      } else if (processFor(profile_, layerOf(*context)) != Process::kIgnore) {
-        faults_.add(lineOf(node),
-                    fmt::format("element {} is no curve this reader takes (layer {}); make it a path", name,
-                                inQuotes(layerOf(*context))));
-      }
+  /// A switch shows the first of its children that can be shown.
+  void choose(const pugi::xml_node& node, const SvgContext& context) {
+    for (const pugi::xml_node& child : node.children()) {
+      if (child.type() != pugi::node_element || drawsNothing(svgName(child)) || !svgConditionsHold(child))
+        continue;
+      element(child, context);
+      return;
     }
   }
 
-  /// Inside of an svg or symbol that has its own viewport.
-  void nested(const pugi::xml_node& node, Context context, std::optional<double> width,
-              std::optional<double> height, bool placed) {
-    if (placed) {
-      context.X.translate(Eigen::Vector2d(length(node, "x").value_or(0.0), length(node, "y").value_or(0.0)));
+  void element(const pugi::xml_node& node, const SvgContext& outer) {
+    const std::string_view name = svgName(node);
+    if (drawsNothing(name)) return;
+    const auto context = enter(node, outer);
+    if (!context) return;
+    if (name == "g" || name == "a") {
+      children(node, *context);
+    } else if (name == "switch") {
+      choose(node, *context);
+    } else if (name == "svg") {
+      nested(node, node, *context);
+    } else if (name == "use") {
+      use(node, *context);
+    } else if (!context->is_visible) {
+      return;
+    } else if (isSvgShape(name)) {
+      shape(node, *context);
+    } else if (isSvgBesideTheLines(name)) {
+      notes_.add(lineOf(node), name, "ignored: no line to cut");
+    } else if (processFor(profile_, layerOf(*context)) != Process::kIgnore) {
+      faults_.add(lineOf(node),
+                  fmt::format("element {} is no curve this reader takes (layer {}); make it a path", name,
+                              inQuotes(layerOf(*context))));
     }
-    context.X = context.X * fit(node, viewport(node, width, height));
+  }
+
+  /// Inside of an svg or symbol that has its own viewport. `sized`: the element that gives its width and
+  /// height if it gives any, the `use` or itself.
+  void nested(const pugi::xml_node& node, const pugi::xml_node& sized, SvgContext context) {
+    const bool is_symbol = svgName(node) == "symbol";
+    const auto size = [&](const char* name, double whole) {
+      const auto value = length(sized.attribute(name) ? sized : node, name, whole);
+      return value.value_or(whole);
+    };
+    if (!is_symbol) {
+      context.X.translate(Eigen::Vector2d(length(node, "x", context.viewport.x()).value_or(0.0),
+                                          length(node, "y", context.viewport.y()).value_or(0.0)));
+    }
+    const Eigen::Vector2d outside(size("width", context.viewport.x()), size("height", context.viewport.y()));
+    if (outside.x() == 0 || outside.y() == 0) return;  // The standard draws nothing.
+    std::string fault;
+    const auto port = svgViewport(node, outside.x(), outside.y(), fault);
+    const auto fit = port ? port->fit() : std::nullopt;
+    if (!fit) {
+      faults_.add(lineOf(node),
+                  !fault.empty()
+                      ? fault
+                      : "width, height, viewBox or preserveAspectRatio do not fit a drawing (slice is "
+                        "not supported)");
+      return;
+    }
+    if (!context.overflows) {
+      const Eigen::Vector2d x(outside.x(), 0);
+      const Eigen::Vector2d y(0, outside.y());
+      const Eigen::Vector2d origin(0, 0);
+      const auto corners = convexPolygon(
+          {LineCurve{origin, x}, LineCurve{x, outside}, LineCurve{outside, y}, LineCurve{y, origin}},
+          context.X);
+      if (corners) context.clips.push_back({*corners, fmt::format("viewport of {}", svgName(node))});
+    }
+    context.X = context.X * *fit;
+    context.viewport = port->view_box ? Eigen::Vector2d(port->view_box->sizes()) : outside;
     children(node, context);
   }
 
-  void use(const pugi::xml_node& node, const Context& outer) {
-    auto context = enter(node, outer);
-    if (!context) return;
-    std::string_view reference = node.attribute("href").value();
-    if (reference.empty()) reference = node.attribute("xlink:href").value();
-    const auto target =
-        reference.starts_with('#') ? by_id_.find(std::string(reference.substr(1))) : by_id_.end();
-    if (target == by_id_.end()) {
+  void use(const pugi::xml_node& node, SvgContext context) {
+    const pugi::xml_node found = svgUsed(node, by_id_);
+    if (!found) {
+      std::string_view reference = node.attribute("href").value();
+      if (reference.empty()) reference = node.attribute("xlink:href").value();
       faults_.add(lineOf(node), fmt::format("use of {}, which is not in the file", inQuotes(reference)));
       return;
     }
-    if (++context->uses > kDeepestNesting) {
-      faults_.fatal(lineOf(node), fmt::format("use of {} is nested deeper than {}: does it hold itself?",
-                                              inQuotes(reference), kDeepestNesting));
-    }
-    context->X.translate(Eigen::Vector2d(length(node, "x").value_or(0.0), length(node, "y").value_or(0.0)));
-    const pugi::xml_node& found = target->second;
-    const std::string_view name = found.name();
-    if (name == "symbol" || name == "svg") {
-      const auto inner = enter(found, *context);
-      if (!inner) return;
-      const auto width = node.attribute("width") ? length(node, "width") : length(found, "width");
-      const auto height = node.attribute("height") ? length(node, "height") : length(found, "height");
-      nested(found, *inner, width, height, name == "svg");
-    } else {
-      element(found, *context);
+    context.X.translate(Eigen::Vector2d(length(node, "x", context.viewport.x()).value_or(0.0),
+                                        length(node, "y", context.viewport.y()).value_or(0.0)));
+    const std::string_view name = svgName(found);
+    if (name != "symbol" && name != "svg") {
+      element(found, context);
+    } else if (const auto inner = enter(found, context)) {
+      nested(found, node, *inner);
     }
   }
 
-  void shape(const pugi::xml_node& node, const Context& context) {
+  /// True where the stroke of a shape leaves a line on the sheet; else it is noted.
+  bool isDrawn(const pugi::xml_node& node, const SvgContext& context) {
+    const auto leftOut = [&](std::string_view why) {
+      notes_.add(lineOf(node), fmt::format("{} {}", svgName(node), why), "left out: no line is drawn");
+      return false;
+    };
+    if (context.is_faded || !context.is_opaque_stroke) return leftOut("with an opacity of 0");
+    if (context.stroke == "none") return hasRule(profile_, "none") || leftOut("without a stroke");
+    return context.has_width || leftOut("with a stroke of width 0");
+  }
+
+  /// Takes off the curves that are nothing: those that a clip hides and those without length.
+  void thin(const pugi::xml_node& node, const SvgContext& context, SvgShape& shape) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < shape.curves.size(); ++i) {
+      Curve curve = transformed(shape.curves[i], context.X);
+      const auto* line = std::get_if<LineCurve>(&curve);
+      if (line != nullptr && (line->end_mm - line->start_mm).norm() <= kNothing_mm) {
+        notes_.add(lineOf(node), fmt::format("{} of length 0", svgName(node)), "left out: nothing to cut");
+        continue;
+      }
+      bool is_hidden = false;
+      for (const ClipRegion& region : context.clips) {
+        const Clipped clipped = is_hidden ? Clipped::kNot : clippedBy(region, curve);
+        is_hidden = is_hidden || clipped == Clipped::kWholly;
+        if (clipped == Clipped::kPartly) {
+          faults_.add(lineOf(node),
+                      fmt::format("{} is clipped by the {}, which is not read: trim its lines, or "
+                                  "release the clip",
+                                  svgName(node), region.name));
+        }
+      }
+      if (is_hidden) {
+        notes_.add(lineOf(node), fmt::format("{} outside of a clip", svgName(node)), "left out: not shown");
+        continue;
+      }
+      shape.curves[kept] = std::move(curve);
+      if (kept != i) shape.parts[kept] = std::move(shape.parts[i]);
+      ++kept;
+    }
+    shape.curves.erase(shape.curves.begin() + static_cast<std::ptrdiff_t>(kept), shape.curves.end());
+  }
+
+  void shape(const pugi::xml_node& node, const SvgContext& context) {
     constexpr double kClosing_mm = 1e-4;  // Rounding of decimals, far below what a gap is.
+    if (!isDrawn(node, context)) return;
     const double scale = std::sqrt(std::abs(context.X.linear().determinant()));
-    SvgShape shape = readSvgShape(node, scale > 0 ? kClosing_mm / scale : 0.0);
-    for (const std::string& fault : shape.faults)
-      faults_.add(lineOf(node), fmt::format("{}: {}", node.name(), fault));
-    if (!(scale > 0))
-      faults_.add(lineOf(node), fmt::format("{} is flattened to nothing by its transform", node.name()));
-    const std::string layer = layerOf(context);
-    const auto process = processFor(profile_, layer);
-    if (!process) {
-      faults_.add(lineOf(node),
-                  fmt::format("{} with stroke {} is on no layer for which the profile {} has a rule",
-                              node.name(), inQuotes(layer), inQuotes(profile_.name)));
+    SvgShape shape =
+        readSvgShape(node, {scale > 0 ? kClosing_mm / scale : 0.0, px_per_inch_, context.viewport});
+    const int line = lineOf(node);
+    const std::string_view name = svgName(node);
+    for (const std::string& fault : shape.faults) faults_.add(line, fmt::format("{}: {}", name, fault));
+    if (!(scale > 0)) faults_.add(line, fmt::format("{} is flattened to nothing by its transform", name));
+    if (context.stroke.front() == '?') {
+      faults_.add(line,
+                  fmt::format("{}: stroke is no plain colour: {}", name, inQuotes(context.stroke.substr(1))));
       return;
     }
+    thin(node, context, shape);
+    if (shape.curves.empty()) return;
+    const std::string layer = layerOf(context);
+    const LineStyle style{context.stroke, context.is_dashed ? "dashed" : "continuous"};
+    const auto process = census_.processOf(layer, style, line, name, faults_);
+    if (dieline_.entities.size() + shape.curves.size() > kMostEntities)
+      faults_.fatal(line, fmt::format("more than {} entities", kMostEntities));
+    if (!process) return;
     for (std::size_t i = 0; i < shape.curves.size(); ++i) {
-      if (dieline_.entities.size() >= kMostEntities) {
-        faults_.fatal(lineOf(node), fmt::format("more than {} entities", kMostEntities));
-      }
-      std::string origin = fmt::format("line {}: {}", lineOf(node), node.name());
+      std::string origin = fmt::format("line {}: {}", line, name);
       if (!shape.parts[i].empty()) origin += " " + shape.parts[i];
-      dieline_.entities.push_back({static_cast<int>(dieline_.entities.size()),
-                                   transformed(shape.curves[i], context.X), *process, layer,
-                                   std::move(origin)});
+      dieline_.entities.push_back({static_cast<int>(dieline_.entities.size()), std::move(shape.curves[i]),
+                                   *process, layer, std::move(origin)});
     }
   }
 
   const std::string& text_;
+  const DrawingOptions& options_;
   const LayerProfile& profile_;
   FaultList& faults_;
+  LayerCensus census_;
+  NoteList notes_;
   Dieline dieline_;
+  double px_per_inch_{96.0};
   std::vector<std::size_t> line_ends_;
-  std::unordered_map<std::string, pugi::xml_node> by_id_;
+  SvgIds by_id_;
   SvgSheet sheet_;
-  std::size_t steps_{};
 };
 
 }  // namespace
 
-Dieline readSvg(const std::string& text, const LayerProfile& profile, FaultList& faults) {
-  return SvgReader(text, profile, faults).read();
+Dieline readSvg(const std::string& text, const DrawingOptions& options, FaultList& faults) {
+  return SvgReader(text, options, faults).read();
 }
 
 }  // namespace kerfbench::dieline

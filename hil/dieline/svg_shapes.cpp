@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <optional>
 
@@ -10,6 +11,8 @@
 #include <pugixml.hpp>
 
 #include "hil/dieline/geometry.h"
+#include "hil/dieline/svg_css.h"
+#include "hil/dieline/svg_page.h"
 #include "hil/dieline/svg_path.h"
 #include "hil/dieline/svg_style.h"
 #include "hil/dieline/text.h"
@@ -22,11 +25,11 @@ using std::numbers::pi;
 
 class ShapeReader {
  public:
-  ShapeReader(const pugi::xml_node& node, double closing_tolerance)
-      : node_(node), closing_tolerance_(closing_tolerance) {}
+  ShapeReader(const pugi::xml_node& node, const SvgUnits& units)
+      : node_(node), units_(units), closing_tolerance_(units.closing_tolerance) {}
 
   SvgShape read() {
-    const std::string_view name = node_.name();
+    const std::string_view name = svgName(node_);
     if (name == "path") {
       path();
     } else if (name == "rect") {
@@ -44,11 +47,15 @@ class ShapeReader {
 
  private:
   [[nodiscard]] std::optional<double> optionalLength(const char* name) {
-    const pugi::xml_attribute attribute = node_.attribute(name);
-    if (!attribute || trimmed(attribute.value()) == "auto") return std::nullopt;
-    const auto value = svgLength(attribute.value());
-    if (!value)
-      shape_.faults.push_back(fmt::format("{} is no length: {}", name, inQuotes(attribute.value())));
+    // Percentages of a radius are of the mean of the sides (SVG 1.1, 7.10).
+    const std::string_view which = name;
+    const Eigen::Vector2d& port = units_.viewport;
+    const double whole = which == "r" ? std::sqrt(port.squaredNorm() / 2)
+                         : which.find('y') != std::string_view::npos || which == "height" ? port.y()
+                                                                                          : port.x();
+    std::string fault;
+    const auto value = svgLengthOf(node_, name, units_.px_per_inch, whole, fault);
+    if (!fault.empty()) shape_.faults.push_back(fault);
     return value;
   }
   double length(const char* name) { return optionalLength(name).value_or(0.0); }
@@ -133,6 +140,7 @@ class ShapeReader {
   }
 
   pugi::xml_node node_;
+  SvgUnits units_;
   double closing_tolerance_;
   SvgShape shape_;
 };
@@ -145,8 +153,8 @@ bool isSvgShape(std::string_view element) {
   return std::find(kShapes.begin(), kShapes.end(), element) != kShapes.end();
 }
 
-SvgShape readSvgShape(const pugi::xml_node& node, double closing_tolerance) {
-  return ShapeReader(node, closing_tolerance).read();
+SvgShape readSvgShape(const pugi::xml_node& node, const SvgUnits& units) {
+  return ShapeReader(node, units).read();
 }
 
 }  // namespace kerfbench::dieline

@@ -21,7 +21,13 @@ struct SvgShape {
 
 /// True for path, rect, circle, ellipse, line, polyline and polygon.
 bool isSvgShape(std::string_view element);
-/// The curves of a shape. `closing_tolerance` as for readSvgPath().
-SvgShape readSvgShape(const pugi::xml_node& node, double closing_tolerance);
+/// How the numbers of a shape are read.
+struct SvgUnits {
+  double closing_tolerance{};  ///< As for readSvgPath().
+  double px_per_inch{96.0};
+  Eigen::Vector2d viewport{Eigen::Vector2d::Zero()};  ///< What 100 % is, user units.
+};
+/// The curves of a shape, by its name without a prefix.
+SvgShape readSvgShape(const pugi::xml_node& node, const SvgUnits& units);
 
 }  // namespace kerfbench::dieline

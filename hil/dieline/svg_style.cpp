@@ -89,19 +89,18 @@ std::optional<char> SvgScanner::letter() {
   return c;
 }
 
-std::optional<double> svgLength(std::string_view text) {
+std::optional<double> svgLength(std::string_view text, double px_per_inch) {
   text = trimmed(text);
   SvgScanner scanner(text);
   const auto value = scanner.number();
   if (!value) return std::nullopt;
   const std::string unit = lowered(text.substr(scanner.position()));
-  constexpr double kPerInch = 96.0;
   if (unit.empty() || unit == "px") return value;
-  if (unit == "mm") return *value * kPerInch / 25.4;
-  if (unit == "cm") return *value * kPerInch / 2.54;
-  if (unit == "in") return *value * kPerInch;
-  if (unit == "pt") return *value * kPerInch / 72;
-  if (unit == "pc") return *value * kPerInch / 6;
+  if (unit == "mm") return *value * px_per_inch / 25.4;
+  if (unit == "cm") return *value * px_per_inch / 2.54;
+  if (unit == "in") return *value * px_per_inch;
+  if (unit == "pt") return *value * px_per_inch / 72;
+  if (unit == "pc") return *value * px_per_inch / 6;
   return std::nullopt;
 }
 
@@ -116,8 +115,10 @@ std::optional<std::string> svgColour(std::string_view text) {
     if (colour.size() != 4) return std::nullopt;
     return std::string{'#', colour[1], colour[1], colour[2], colour[2], colour[3], colour[3]};
   }
-  if (colour.starts_with("rgb(") && colour.ends_with(')')) {
-    std::string inside = colour.substr(4, colour.size() - 5);
+  const bool has_alpha = colour.starts_with("rgba(");
+  if ((colour.starts_with("rgb(") || has_alpha) && colour.ends_with(')')) {
+    const std::size_t open = colour.find('(') + 1;
+    std::string inside = colour.substr(open, colour.size() - open - 1);
     const bool percent = inside.find('%') != std::string::npos;
     std::replace(inside.begin(), inside.end(), '%', ' ');
     SvgScanner scanner(inside);
@@ -127,6 +128,7 @@ std::optional<std::string> svgColour(std::string_view text) {
       if (!part) return std::nullopt;
       hex += fmt::format("{:02x}", std::lround(std::clamp(percent ? *part * 2.55 : *part, 0.0, 255.0)));
     }
+    if (has_alpha && scanner.number() == 0.0) return "none";
     if (!scanner.atEnd()) return std::nullopt;
     return hex;
   }
@@ -180,50 +182,29 @@ std::optional<Eigen::Affine2d> svgTransform(std::string_view text) {
 std::vector<std::pair<std::string, std::string>> svgDeclarations(std::string_view text) {
   std::vector<std::pair<std::string, std::string>> declarations;
   while (!text.empty()) {
-    const std::size_t end = text.find(';');
-    std::string_view one = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    std::size_t end = 0;
+    int brackets = 0;
+    char quote = 0;
+    for (; end < text.size(); ++end) {
+      const char c = text[end];
+      if (quote != 0) {
+        if (c == quote) quote = 0;
+      } else if (c == '"' || c == '\'') {
+        quote = c;
+      } else if (c == '(' || c == ')') {
+        brackets += c == '(' ? 1 : -1;
+      } else if (c == ';' && brackets <= 0) {
+        break;
+      }
+    }
+    const std::string_view one = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
     const std::size_t colon = one.find(':');
     if (colon == std::string_view::npos) continue;
-    std::string_view value = trimmed(one.substr(colon + 1));
-    if (const auto mark = value.find("!important"); mark != std::string_view::npos)
-      value = trimmed(value.substr(0, mark));
-    declarations.emplace_back(lowered(trimmed(one.substr(0, colon))), std::string(value));
+    declarations.emplace_back(lowered(trimmed(one.substr(0, colon))),
+                              std::string(trimmed(one.substr(colon + 1))));
   }
   return declarations;
-}
-
-std::optional<std::string> SvgSheet::add(std::string_view css) {
-  std::string plain;
-  for (std::size_t i = 0; i < css.size();) {
-    if (css.substr(i).starts_with("/*")) {
-      const std::size_t end = css.find("*/", i + 2);
-      i = end == std::string_view::npos ? css.size() : end + 2;
-    } else {
-      plain += css[i++];
-    }
-  }
-  std::string_view rest = plain;
-  while (true) {
-    const std::size_t open = rest.find('{');
-    if (open == std::string_view::npos) return std::nullopt;
-    const std::size_t close = rest.find('}', open);
-    const auto declarations = svgDeclarations(
-        rest.substr(open + 1, close == std::string_view::npos ? std::string_view::npos : close - open - 1));
-    std::string_view selectors = rest.substr(0, open);
-    while (!selectors.empty()) {
-      const std::size_t comma = selectors.find(',');
-      const std::string_view one = trimmed(selectors.substr(0, comma));
-      selectors.remove_prefix(comma == std::string_view::npos ? selectors.size() : comma + 1);
-      if (one.empty()) continue;
-      if (one.front() != '.' || one.find_first_of(" .>:[#+~", 1) != std::string_view::npos)
-        return std::string(one);
-      auto& rules = classes[std::string(one.substr(1))];
-      rules.insert(rules.end(), declarations.begin(), declarations.end());
-    }
-    if (close == std::string_view::npos) return std::nullopt;
-    rest.remove_prefix(close + 1);
-  }
 }
 
 std::optional<Eigen::Affine2d> SvgViewport::fit() const {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,22 +32,15 @@ class SvgScanner {
   std::size_t at_{};
 };
 
-/// A length in user units (px at 96 dpi); nothing for percentages, em and what is no length.
-std::optional<double> svgLength(std::string_view text);
+/// A length in user units, of which `px_per_inch` are an inch; nothing for percentages, em and what is no
+/// length.
+std::optional<double> svgLength(std::string_view text, double px_per_inch = 96.0);
 /// #rrggbb in lower case from a name, #rgb, #rrggbb or rgb(); "none" stays; nothing for what is no colour.
 std::optional<std::string> svgColour(std::string_view text);
 /// The value of a transform attribute.
 std::optional<Eigen::Affine2d> svgTransform(std::string_view text);
-/// Splits "a: b; c: d".
+/// Splits "a: b; c: d", names in lower case; semicolons in quotes and brackets do not split.
 std::vector<std::pair<std::string, std::string>> svgDeclarations(std::string_view text);
-
-/// The rules of <style> elements by class name.
-struct SvgSheet {
-  std::map<std::string, std::vector<std::pair<std::string, std::string>>> classes;
-  /// Adds a sheet; returns the first selector that is more than a list of classes, which the reader does not
-  /// know.
-  std::optional<std::string> add(std::string_view css);
-};
 
 /// A box to be fitted into another: viewBox with width, height and preserveAspectRatio.
 struct SvgViewport {

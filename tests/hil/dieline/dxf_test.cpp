@@ -90,7 +90,6 @@ TEST(Dxf, UnitsScaleTheDrawing) {
   EXPECT_EQ(end("9|$INSUNITS|70|4"), 2);
   EXPECT_EQ(end("9|$INSUNITS|70|5"), 20);
   EXPECT_EQ(end("9|$INSUNITS|70|6"), 2000);
-  EXPECT_EQ(end("9|$INSUNITS|70|0|9|$MEASUREMENT|70|0"), 2);
   EXPECT_EQ(end("9|$MEASUREMENT|70|0"), 50.8);
   EXPECT_EQ(end("9|$MEASUREMENT|70|1"), 2);
   EXPECT_EQ(end(""), 2);
@@ -141,12 +140,6 @@ TEST(Dxf, LayersCompareWithoutCaseAndUnknownOnesAreFaults) {
   const Dieline dieline = readText(".dxf", dxf("0|LINE|8|Varnish" + line + "|0|LINE|8|EMBOSS" + line), all);
   EXPECT_EQ(dieline.entities[0].process, Process::kHalfCut);
   EXPECT_EQ(dieline.entities[1].process, Process::kIgnore);
-}
-
-TEST(Dxf, TextIsAFaultUnlessItsLayerIsIgnored) {
-  EXPECT_EQ(readText(".dxf", dxf("0|TEXT|8|notes|10|0|20|0|1|hello")).entities.size(), 0U);
-  EXPECT_THAT(faultsOf(".dxf", dxf("0|TEXT|8|CUT|10|0|20|0|1|hello")), HasSubstr("TEXT is not a curve"));
-  EXPECT_THAT(faultsOf(".dxf", dxf("0|DIMENSION|8|CUT|10|0|20|0")), HasSubstr("DIMENSION is not a curve"));
 }
 
 TEST(Dxf, WhatItCannotTakeIsRefusedByName) {

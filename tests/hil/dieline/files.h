@@ -40,10 +40,17 @@ inline Dieline readText(const std::string& extension, const std::string& text,
   return readDieline(file.path(), profile);
 }
 
+inline Dieline readText(const std::string& extension, const std::string& text,
+                        const DrawingOptions& options) {
+  const TempFile file(extension, text);
+  return readDieline(file.path(), options);
+}
+
 /// Faults reported for a broken file; empty when it is read.
-inline std::string faultsOf(const std::string& extension, const std::string& text) {
+inline std::string faultsOf(const std::string& extension, const std::string& text,
+                            const DrawingOptions& options = {}) {
   try {
-    readText(extension, text);
+    readText(extension, text, options);
   } catch (const DielineError& error) {
     return error.what();
   }

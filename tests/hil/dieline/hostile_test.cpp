@@ -81,7 +81,7 @@ TEST(HostileSvg, IsToldWhereItBreaks) {
   EXPECT_THAT(faultsOf(".svg", "<svg>\n<g>\n</svg>"), HasSubstr(":3: is not well-formed XML"));
   EXPECT_THAT(faultsOf(".svg", "<html/>"), HasSubstr("outermost element is not svg"));
   EXPECT_THAT(faultsOf(".svg", std::string("\x7f\x45LF\0\0", 6)), HasSubstr("not well-formed"));
-  EXPECT_THAT(faultsOf(".svg", "<svg xmlns='http://www.w3.org/2000/svg'/>"),
+  EXPECT_THAT(faultsOf(".svg", "<svg xmlns='http://www.w3.org/2000/svg' width='9mm'/>"),
               HasSubstr("where is its bottom"));
   EXPECT_THAT(faults("<path stroke='red' d='M 0 0 L 1 x'/>"),
               HasSubstr("path data is broken at character 11"));
@@ -95,7 +95,8 @@ TEST(HostileSvg, IsToldWhereItBreaks) {
   EXPECT_THAT(faults("<g transform='rotate(1,2)'/>"), HasSubstr("transform is broken"));
   EXPECT_THAT(faults("<g transform=')('/>"), HasSubstr("transform is broken"));
   EXPECT_THAT(faults("<line stroke='red' x2='1' transform='scale(0)'/>"), HasSubstr("flattened to nothing"));
-  EXPECT_THAT(faultsOf(".svg", svg("", "width='10' height='10' viewBox='0 0 0 5'")), HasSubstr("do not fit"));
+  EXPECT_THAT(faultsOf(".svg", svg("", "width='10mm' height='10mm' viewBox='0 0 0 5'")),
+              HasSubstr("do not fit"));
 }
 
 TEST(HostileSvg, UsesThatHoldThemselvesEnd) {

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/dieline/svg_bombs.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "hil/dieline/readers.h"
+#include "hil/dieline/svg_css.h"
+#include "hil/dieline/text.h"
+
+namespace kerfbench::dieline {
+namespace {
+
+/// What an element unfolds to.
+struct Unfolded {
+  double count{};  ///< Elements; may be far above any integer.
+  int height{};    ///< Levels of `use`.
+};
+
+class Counter {
+ public:
+  Counter(const SvgIds& ids, const std::function<int(const pugi::xml_node&)>& line_of, FaultList& faults)
+      : ids_(ids), line_of_(line_of), faults_(faults) {}
+
+  Unfolded count(const pugi::xml_node& node, int depth) {
+    Unfolded sum{1, 0};
+    const auto add = [&](const Unfolded& inner) {
+      sum.count += inner.count;
+      sum.height = std::max(sum.height, inner.height);
+    };
+    const std::string_view name = svgName(node);
+    if (name == "use") add(countUse(node, depth));
+    for (const pugi::xml_node& child : node.children()) {
+      if (child.type() != pugi::node_element) continue;
+      const std::string_view inner = svgName(child);
+      if (inner != "defs" && inner != "symbol") add(count(child, depth));
+    }
+    if (sum.count > static_cast<double>(kMostEntities))
+      faults_.fatal(line_of_(node), fmt::format("more than {} elements", kMostEntities));
+    return sum;
+  }
+
+ private:
+  Unfolded countUse(const pugi::xml_node& use, int depth) {
+    const pugi::xml_node target = svgUsed(use, ids_);
+    if (!target) return {};
+    const auto known = known_.find(target.internal_object());
+    const int height = known == known_.end() ? 0 : known->second.height;
+    if (depth + height >= kDeepestNesting) {
+      faults_.fatal(line_of_(use), fmt::format("use of {} is nested deeper than {}: does it hold itself?",
+                                               inQuotes(target.attribute("id").value()), kDeepestNesting));
+    }
+    if (known != known_.end()) return known->second;
+    Unfolded inner = count(target, depth + 1);
+    ++inner.height;
+    known_.emplace(target.internal_object(), inner);
+    return inner;
+  }
+
+  const SvgIds& ids_;
+  const std::function<int(const pugi::xml_node&)>& line_of_;
+  FaultList& faults_;
+  std::unordered_map<const void*, Unfolded> known_;
+};
+
+}  // namespace
+
+pugi::xml_node svgUsed(const pugi::xml_node& use, const SvgIds& ids) {
+  std::string_view reference = trimmed(use.attribute("href").value());
+  if (reference.empty()) reference = trimmed(use.attribute("xlink:href").value());
+  if (!reference.starts_with('#')) return {};
+  const auto found = ids.find(std::string(reference.substr(1)));
+  return found == ids.end() ? pugi::xml_node() : found->second;
+}
+
+void refuseSvgBombs(const pugi::xml_node& root, const SvgIds& ids,
+                    const std::function<int(const pugi::xml_node&)>& line_of, FaultList& faults) {
+  Counter(ids, line_of, faults).count(root, 0);
+}
+
+}  // namespace kerfbench::dieline

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <unordered_map>
+
+#include <pugixml.hpp>
+
+#include "hil/dieline/faults.h"
+
+namespace kerfbench::dieline {
+
+/// Elements by their id.
+using SvgIds = std::unordered_map<std::string, pugi::xml_node>;
+
+/// The element that a `use` refers to, or a null node.
+pugi::xml_node svgUsed(const pugi::xml_node& use, const SvgIds& ids);
+
+/// Counts what the `use` elements of a file unfold to, without unfolding.
+/// @throws DielineError where uses hold themselves, are nested deeper than kDeepestNesting, or unfold to more
+/// than kMostEntities. `line_of`: line of an element.
+void refuseSvgBombs(const pugi::xml_node& root, const SvgIds& ids,
+                    const std::function<int(const pugi::xml_node&)>& line_of, FaultList& faults);
+
+}  // namespace kerfbench::dieline
