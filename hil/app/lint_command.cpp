@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <cstdio>
+#include <set>
 #include <string>
 
 #include "hil/base/exit_codes.h"
@@ -35,17 +37,31 @@ bool isScenario(const fs::path& path) {
   return file.has("dieline") || file.has("firmware");
 }
 
+/// How one drawing is read and what is accepted of it.
+struct DrawingRules {
+  dieline::DrawingOptions options;
+  std::set<dieline::LintFinding::Kind> accepted;
+};
+
 // Returns the number of errors.
-int lintDrawing(const fs::path& path, const dieline::LayerProfile& layers, bool quiet) {
-  const dieline::Dieline dieline = dieline::readDieline(path, layers);
-  int errors = 0;
-  for (const dieline::LintFinding& finding : dieline::lintDieline(dieline)) {
-    errors += finding.is_error ? 1 : 0;
-    if (quiet && !finding.is_error) continue;
+int lintDrawing(const fs::path& path, const DrawingRules& rules, bool quiet) {
+  const dieline::Dieline dieline = dieline::readDieline(path, rules.options);
+  constexpr std::size_t kMost = 20;  // The worst of each kind.
+  const dieline::LintReport report = dieline::lintDieline(dieline, kMost);
+  const auto warn = [&](const std::string& text) {
+    if (!quiet) say(fmt::format("{}: warning: {}", path.string(), text));
+  };
+  std::size_t errors = 0;
+  for (const dieline::LintFinding& finding : report.findings) {
+    const bool is_error = finding.is_error && !dieline::isAccepted(finding, rules.accepted);
+    errors += is_error ? 1 : 0;
+    if (quiet && !is_error) continue;
     say(fmt::format("{}: {} at ({:.3f}, {:.3f}) mm, layer {}: {}", path.string(),
-                    finding.is_error ? "error" : "warning", finding.p_mm.x(), finding.p_mm.y(),
+                    is_error ? "error" : "warning", finding.p_mm.x(), finding.p_mm.y(),
                     finding.layer.empty() ? "-" : finding.layer, finding.message));
   }
+  for (const std::string& sentence : dieline::uncounted(report)) warn(sentence);
+  for (const std::string& sentence : dieline::acceptedSentences(report, rules.accepted)) warn(sentence);
   if (!quiet) {
     for (const std::string& note : dieline.notes) say(fmt::format("{}: note: {}", path.string(), note));
     const auto box = dieline.bounds();
@@ -54,7 +70,30 @@ int lintDrawing(const fs::path& path, const dieline::LayerProfile& layers, bool 
                       box.sizes().x(), box.sizes().y()));
     }
   }
-  return errors;
+  return static_cast<int>(errors);
+}
+
+// The rules of a scenario, or those of the command line.
+DrawingRules rulesOf(const LintDrawings& drawings, const scenario::ImagePath& images) {
+  DrawingRules rules;
+  if (!drawings.scenario.empty()) {
+    if (!drawings.arguments.empty())
+      throw dieline::DielineError(
+          "--scenario says how a drawing is read: leave out --unit, --scale, --turn, "
+          "--shift and --layer");
+    const scenario::Scenario of = scenario::readScenario(drawings.scenario, images);
+    rules = {of.drawing, of.accepted};
+  } else {
+    rules.options = dieline::drawingOptionsFrom(drawings.arguments);
+  }
+  for (const std::string& name : drawings.accepted) {
+    const auto kind = dieline::lintKindFromName(name);
+    if (!kind)
+      throw dieline::DielineError(
+          fmt::format("--accept {} is none of duplicate, overlap, gap, zero-length", name));
+    rules.accepted.insert(*kind);
+  }
+  return rules;
 }
 
 // A machine can be described before its cameras are calibrated; a run of it would be INVALID.
@@ -68,8 +107,12 @@ void warnOfCameras(const fs::path& path, scenario::Case& test_case, const machin
     say(fmt::format("{}: warning: {}", path.string(), problem));
 }
 
-int lintFile(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
-  if (dieline::fileFormatOf(path)) return lintDrawing(path, dieline::defaultLayerProfile(), options.quiet);
+int lintFile(const fs::path& path, const fs::path& image, const LintDrawings& drawings,
+              const judge::RunOptions& options) {
+  const scenario::ImagePath images{options.bin_dir.parent_path() / "firmware", image};
+  if (dieline::fileFormatOf(path)) return lintDrawing(path, rulesOf(drawings, images), options.quiet);
+  if (!drawings.scenario.empty() || !drawings.arguments.empty() || !drawings.accepted.empty())
+    throw dieline::DielineError(path.string() + ": options of a drawing are for drawings (.dxf, .svg, .cf2, .pdf)");
   const auto file_keys = base::YamlReader::openFile(path);
   if (file_keys.has("camera_id")) {
     (void)calibrate::readCalibrationFile(path);
@@ -89,13 +132,14 @@ int lintFile(const fs::path& path, const fs::path& image, const judge::RunOption
   }
   scenario::Case test_case;
   if (isScenario(path)) {
-    test_case.scenario = scenario::readScenario(path, {options.bin_dir.parent_path() / "firmware", image});
+    test_case.scenario = scenario::readScenario(path, images);
     const machine_file::MachineFile file = machine_file::readMachineFile(test_case.scenario.machine);
     warnOfCameras(path, test_case, file, options.quiet);
     scenario::refuseUnwired(test_case);
     run::refuseUnfitController(test_case, options.bin_dir);
     machine_file::refuseUnfit(file, scenario::webOf(test_case));
-    return lintDrawing(test_case.scenario.dieline, test_case.scenario.layers, options.quiet);
+    return lintDrawing(test_case.scenario.dieline, {test_case.scenario.drawing, test_case.scenario.accepted},
+                       options.quiet);
   }
   const machine_file::MachineFile file = machine_file::readMachineFile(path);
   test_case.scenario.machine = path;
@@ -106,11 +150,12 @@ int lintFile(const fs::path& path, const fs::path& image, const judge::RunOption
 
 }  // namespace
 
-int lintCommand(const std::vector<fs::path>& files, const fs::path& image, const judge::RunOptions& options) {
+int lintCommand(const std::vector<fs::path>& files, const fs::path& image, const LintDrawings& drawings,
+                const judge::RunOptions& options) {
   int errors = 0;
   for (const fs::path& path : files) {
     try {
-      const int found = lintFile(path, image, options);
+      const int found = lintFile(path, image, drawings, options);
       if (found == 0 && !options.quiet) say(fmt::format("{}: good", path.string()));
       errors += found;
     } catch (const base::ConfigError& e) {

@@ -256,7 +256,10 @@ std::vector<double> YamlReader::numbers(std::string_view key, std::size_t count,
 
 YamlReader YamlReader::section(std::string_view key) {
   // Sections of the files extended come below, key by key.
-  std::shared_ptr<Node> below = node_->base ? YamlReader(node_->base).section(key).node_ : nullptr;
+  // A mapping takes the place of a text; a text in its place is a fault below.
+  const bool has_base = node_->base && !(node_->book->has(key) && YamlReader(node_->base).has(key) &&
+                                         !YamlReader(node_->base).isMapping(key));
+  std::shared_ptr<Node> below = has_base ? YamlReader(node_->base).section(key).node_ : nullptr;
   node_->book->asked.emplace(key);
   const YAML::Node constant = node_->yaml;
   const YAML::Node value =
@@ -274,6 +277,11 @@ bool YamlReader::has(std::string_view key) const { return given(node_->take(key)
 bool YamlReader::isList(std::string_view key) const {
   const YAML::Node value = node_->take(key);
   return given(value) && value.IsSequence();
+}
+
+bool YamlReader::isMapping(std::string_view key) const {
+  const YAML::Node value = node_->take(key);
+  return given(value) && value.IsMap();
 }
 
 std::vector<YamlReader> YamlReader::list(std::string_view key) {
@@ -328,6 +336,32 @@ std::vector<std::pair<std::string, std::string>> YamlReader::pairs(std::string_v
       node_->fault(key, "holds something that is not a text");
     }
   }
+  return result;
+}
+
+std::vector<std::pair<std::vector<std::string>, std::string>> YamlReader::leaves(std::string_view key) {
+  using Leaf = std::pair<std::vector<std::string>, std::string>;
+  const YAML::Node value = node_->take(key);
+  std::vector<Leaf> result;
+  if (!given(value)) return result;
+  constexpr std::size_t kDeepest = 8;
+  const auto collect = [&](const auto& self, const YAML::Node& at, std::vector<std::string>& path) -> void {
+    if (at.IsScalar() && !path.empty()) {
+      result.emplace_back(path, at.Scalar());
+      return;
+    }
+    if (!at.IsMap() || path.size() >= kDeepest) {
+      node_->fault(key, "expected 'key: value' lines under it");
+      return;
+    }
+    for (const auto& entry : at) {
+      path.push_back(entry.first.IsScalar() ? entry.first.Scalar() : "?");
+      self(self, entry.second, path);
+      path.pop_back();
+    }
+  };
+  std::vector<std::string> path;
+  collect(collect, value, path);
   return result;
 }
 

@@ -61,6 +61,10 @@ class YamlReader {
   /// All keys and texts of a nested mapping of free keys (layer names, say).
   std::vector<std::pair<std::string, std::string>> pairs(std::string_view key);
 
+  [[nodiscard]] bool isMapping(std::string_view key) const;
+  /// All texts under a nested mapping of free keys, however deep, each with the keys that lead to it.
+  std::vector<std::pair<std::vector<std::string>, std::string>> leaves(std::string_view key);
+
   /// A key that was asked for, in this file or one that it extends; elements of lists have no number:
   /// "a[].b".
   struct Asked {

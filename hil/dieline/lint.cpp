@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <numeric>
 #include <unordered_map>
+#include <unordered_set>
 
 #include <fmt/format.h>
-#include <unsupported/Eigen/BVH>
 
 #include "hil/dieline/curve_math.h"
 #include "hil/dieline/geometry.h"
+#include "hil/dieline/lint_items.h"
 #include "hil/dieline/read.h"
 
 namespace kerfbench::dieline {
@@ -20,353 +18,228 @@ namespace {
 using Eigen::Vector2d;
 using Kind = LintFinding::Kind;
 
-constexpr double kZero_mm = 1e-3;     // Shorter is a dot.
-constexpr double kMet_mm = 1e-3;      // Ends closer than this meet.
-constexpr double kGap_mm = 0.5;       // Ends farther apart than this do not belong together.
-constexpr double kOverlap_mm = 0.01;  // Shared length from which a line is cut twice.
-constexpr double kSame_mm = 0.005;    // Curves closer than this lie on each other.
-
-/// An entity with what the checks ask again and again.
-struct Item {
-  const Entity* entity{};
-  Eigen::AlignedBox2d box;
-  double length_mm{};
-  std::array<Vector2d, 5> samples;  ///< At equal arc lengths, both ends included.
-  bool is_zero{};
-  bool is_closed{};
-};
-
-std::string label(const Item& item) {
-  return fmt::format("E{} ({}, {})", item.entity->id, item.entity->origin, processName(item.entity->process));
-}
-
-/// Boxes of items in a tree: whoever looks for those near a place asks few of them.
-class BoxTree {
- public:
-  BoxTree() = default;
-  explicit BoxTree(const std::vector<Item>& items) {
-    std::vector<std::size_t> indices(items.size());
-    std::iota(indices.begin(), indices.end(), std::size_t{0});
-    std::vector<Eigen::AlignedBox2d> boxes;
-    boxes.reserve(items.size());
-    for (const Item& item : items) boxes.push_back(item.box);
-    tree_.init(indices.begin(), indices.end(), boxes.begin(), boxes.end());
-  }
-  /// Visits items whose boxes touch `box`, and maybe others beside them, in no order, until a visit says
-  /// true; true if one does.
-  template <class Visit>
-  bool any(const Eigen::AlignedBox2d& box, Visit visit) const {
-    struct Near {
-      const Eigen::AlignedBox2d& box;
-      Visit& visit;
-      bool found{false};
-      bool intersectVolume(const Eigen::AlignedBox2d& volume) const { return box.intersects(volume); }
-      bool intersectObject(std::size_t item) { return found = visit(item); }
-    };
-    Near near{box, visit};
-    Eigen::BVIntersect(tree_, near);
-    return near.found;
-  }
-
- private:
-  Eigen::KdBVH<double, 2, std::size_t> tree_;
-};
-
-Eigen::AlignedBox2d grown(const Eigen::AlignedBox2d& box, double by_mm) {
-  return {box.min() - Vector2d::Constant(by_mm), box.max() + Vector2d::Constant(by_mm)};
-}
-
-/// End points in cells of the gap's size, so that all ends near a point are in 9 cells.
-class EndGrid {
- public:
-  explicit EndGrid(const std::vector<Item>& items) {
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      if (items[i].is_zero || items[i].is_closed) continue;
-      for (const std::size_t s : {std::size_t{0}, std::size_t{4}})
-        cells_[key(items[i].samples[s], 0, 0)].push_back({i, s});
-    }
-  }
-  struct End {
-    std::size_t item{};
-    std::size_t sample{};
-  };
-  template <class Visit>
-  void near(const Vector2d& p_mm, Visit visit) const {
-    for (int dx = -1; dx <= 1; ++dx) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        const auto cell = cells_.find(key(p_mm, dx, dy));
-        if (cell == cells_.end()) continue;
-        for (const End& end : cell->second) visit(end);
-      }
-    }
-  }
-
- private:
-  static std::uint64_t key(const Vector2d& p_mm, int dx, int dy) {
-    const auto x = static_cast<std::int64_t>(std::floor(p_mm.x() / kGap_mm)) + dx;
-    const auto y = static_cast<std::int64_t>(std::floor(p_mm.y() / kGap_mm)) + dy;
-    return (static_cast<std::uint64_t>(x) << 32U) ^ (static_cast<std::uint64_t>(y) & 0xffffffffU);
-  }
-  std::unordered_map<std::uint64_t, std::vector<End>> cells_;
-};
-
-/// Length on which two lines lie on each other.
-double sharedLength(const LineCurve& a, const LineCurve& b) {
-  const double length = (a.end_mm - a.start_mm).norm();
-  const Vector2d along = (a.end_mm - a.start_mm) / length;
-  const Vector2d across(-along.y(), along.x());
-  double s0 = along.dot(b.start_mm - a.start_mm);
-  double s1 = along.dot(b.end_mm - a.start_mm);
-  double d0 = across.dot(b.start_mm - a.start_mm);
-  double d1 = across.dot(b.end_mm - a.start_mm);
-  if (s0 > s1) {
-    std::swap(s0, s1);
-    std::swap(d0, d1);
-  }
-  const double lo = std::max(s0, 0.0);
-  const double hi = std::min(s1, length);
-  if (!(hi - lo > 0)) return 0.0;
-  const auto offset = [&](double s) { return std::abs(d0 + (d1 - d0) * (s - s0) / (s1 - s0)); };
-  return std::max(offset(lo), offset(hi)) < kSame_mm ? hi - lo : 0.0;
-}
-
-double sharedLength(const ArcCurve& a, const ArcCurve& b) {
-  if ((a.centre_mm - b.centre_mm).norm() + std::abs(a.radius_mm - b.radius_mm) > kSame_mm) return 0.0;
-  const double turn = 2 * std::numbers::pi;
-  const auto first = [](const ArcCurve& c) {
-    return c.sweep_rad > 0 ? c.start_angle_rad : c.start_angle_rad + c.sweep_rad;
-  };
-  double from = std::fmod(first(b) - first(a), turn);
-  if (from < 0) from += turn;
-  double shared = 0;
-  for (const double begin : {from - turn, from}) {
-    shared +=
-        std::max(0.0, std::min(begin + std::abs(b.sweep_rad), std::abs(a.sweep_rad)) - std::max(begin, 0.0));
-  }
-  return shared * a.radius_mm;
-}
+/// Pairs of neighbours that are looked at, of curves and of ends; a drawing with more is no drawing but a
+/// heap of lines on each other.
+constexpr std::size_t kMostPairs = 200'000'000;
 
 class Checker {
  public:
-  explicit Checker(const Dieline& dieline) {
-    for (const Entity& entity : dieline.entities) {
-      if (entity.process == Process::kIgnore) continue;
-      Item item{&entity, boundsOf(entity.curve), lengthOf(entity.curve), {}, false, isClosed(entity.curve)};
-      item.is_zero = item.length_mm < kZero_mm;
-      const std::vector<double> u =
-          item.is_zero ? std::vector<double>(5, 0.0) : stations(entity.curve, item.length_mm / 4);
-      for (std::size_t i = 0; i < 5; ++i) item.samples[i] = pointAt(entity.curve, u[i]);
-      items_.push_back(std::move(item));
-    }
-    if (!items_.empty()) boxes_ = BoxTree(items_);
+  Checker(const Dieline& dieline, std::size_t most) : items_(lintItems(dieline)), store_(items_, most) {
+    if (!items_.empty()) boxes_ = LintBoxes(items_);
   }
 
-  std::vector<LintFinding> run() {
+  LintReport run() && {
     if (items_.empty()) {
-      findings_.push_back(
-          {Kind::kEmpty, true, Vector2d::Zero(), "", "The dieline holds nothing to cut or crease."});
-      return std::move(findings_);
+      store_.add(LintFinding{Kind::kEmpty, true, Vector2d::Zero(), "",
+                             "The dieline holds nothing to cut or crease."});
+      return std::move(store_).report();
     }
-    for (const Item& item : items_) {
-      if (item.is_zero) {
-        add(Kind::kZeroLength, true, item.samples[0], item,
-            fmt::format("{} is only {:.6f} mm long.", label(item), item.length_mm));
-      }
+    for (std::uint32_t i = 0; i < items_.size(); ++i) {
+      const LintItem& item = items_[i];
+      if (item.is_zero)
+        store_.add({Kind::kZeroLength, true, !item.isCut(), item.samples[0], i, i, item.length_mm});
     }
     checkPairs();
     checkEnds();
     checkSize();
-    return std::move(findings_);
+    if (pairs_ > kMostPairs) {
+      store_.add(LintFinding{
+          Kind::kOverlap, true, items_[0].samples[0], "",
+          fmt::format(
+              "More than {} pairs of lines are near each other: not all were compared. Are there copies "
+              "on each other?",
+              kMostPairs)});
+    }
+    return std::move(store_).report();
   }
 
  private:
-  void add(Kind kind, bool is_error, const Vector2d& p_mm, const Item& item, std::string message) {
-    findings_.push_back({kind, is_error, p_mm, item.entity->layer, std::move(message)});
-  }
+  /// Counts one more pair; false when there were too many.
+  bool mayLook() { return ++pairs_ <= kMostPairs; }
 
-  /// All pairs whose boxes touch, in order along x.
+  /// All pairs whose boxes touch, in order along x. A curve that repeats another is compared with no third.
   void checkPairs() {
-    std::vector<std::size_t> order(items_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    std::vector<std::uint32_t> order(items_.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       return items_[a].box.min().x() < items_[b].box.min().x();
     });
-    std::vector<std::size_t> rank(items_.size());
-    for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
-    std::vector<std::size_t> near;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      const Item& a = items_[order[i]];
-      if (a.is_zero) continue;
-      const Eigen::AlignedBox2d touched = grown(a.box, kSame_mm);
+    std::vector<std::uint32_t> rank(items_.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
+    std::vector<bool> is_copy(items_.size(), false);
+    std::vector<std::uint32_t> near;
+    for (std::uint32_t i = 0; i < order.size(); ++i) {
+      const LintItem& a = items_[order[i]];
+      if (a.is_zero || is_copy[order[i]]) continue;
+      const Eigen::AlignedBox2d touched(a.box.min().array() - kSame_mm, a.box.max().array() + kSame_mm);
       near.clear();
       boxes_.any(touched, [&](std::size_t item) {
         if (rank[item] > i && !items_[item].is_zero && touched.intersects(items_[item].box))
           near.push_back(rank[item]);
-        return false;
+        return !mayLook();
       });
       std::sort(near.begin(), near.end());
-      for (const std::size_t k : near) {
+      for (const std::uint32_t k : near) {
+        if (is_copy[order[k]]) continue;
         const auto [first, second] = std::minmax(order[i], order[k]);
-        checkPair(items_[first], items_[second]);
+        is_copy[order[k]] = checkPair(first, second);
       }
     }
   }
 
-  static bool isSame(const Item& a, const Item& b) {
-    if (std::abs(a.length_mm - b.length_mm) > 2 * kSame_mm) return false;
-    if ((a.box.min() - b.box.min()).norm() > 2 * kSame_mm ||
-        (a.box.max() - b.box.max()).norm() > 2 * kSame_mm)
-      return false;
-    double same = 0;
-    double opposite = 0;
-    for (std::size_t i = 0; i < 5; ++i) {
-      same = std::max(same, (a.samples[i] - b.samples[i]).norm());
-      opposite = std::max(opposite, (a.samples[i] - b.samples[4 - i]).norm());
+  /// True where the two are the same curve.
+  bool checkPair(std::uint32_t first, std::uint32_t second) {
+    const LintItem& a = items_[first];
+    const LintItem& b = items_[second];
+    const bool may_be_accepted = !a.isCut() || !b.isCut();
+    if (lintSame(a, b)) {
+      store_.add({Kind::kDuplicate, true, may_be_accepted, b.samples[2], second, first, b.length_mm});
+      return true;
     }
-    if (std::min(same, opposite) <= kSame_mm) return true;
-    // Closed curves may start anywhere.
-    if (!a.is_closed || !b.is_closed) return false;
-    return std::all_of(a.samples.begin(), a.samples.end(), [&](const Vector2d& p) {
-      return nearestOn(b.entity->curve, p).distance_mm <= kSame_mm;
-    });
-  }
-
-  void checkPair(const Item& a, const Item& b) {
-    if (isSame(a, b)) {
-      add(Kind::kDuplicate, true, b.samples[2], b,
-          fmt::format("{} repeats {}, {:.3f} mm.", label(b), label(a), b.length_mm));
-      return;
-    }
-    double shared_mm = 0;
-    const auto* line_a = std::get_if<LineCurve>(&a.entity->curve);
-    const auto* line_b = std::get_if<LineCurve>(&b.entity->curve);
-    const auto* arc_a = std::get_if<ArcCurve>(&a.entity->curve);
-    const auto* arc_b = std::get_if<ArcCurve>(&b.entity->curve);
-    if (line_a != nullptr && line_b != nullptr) {
-      // On the longer one: its direction is the better known.
-      shared_mm =
-          a.length_mm >= b.length_mm ? sharedLength(*line_a, *line_b) : sharedLength(*line_b, *line_a);
-    } else if (arc_a != nullptr && arc_b != nullptr) {
-      shared_mm = sharedLength(*arc_a, *arc_b);
-    }
-    if (shared_mm <= kOverlap_mm) return;
+    const double shared_mm = lintSharedLength(a, b);
+    if (shared_mm <= kOverlap_mm) return false;
     const Eigen::AlignedBox2d both = a.box.intersection(b.box);
-    const Vector2d p_mm = nearestPoint(b, both.isEmpty() ? b.samples[2] : Vector2d(both.center()));
-    add(Kind::kOverlap, true, p_mm, b,
-        fmt::format("{} lies on {} for {:.3f} mm.", label(b), label(a), shared_mm));
+    const Vector2d p_mm = both.isEmpty() ? b.samples[2] : Vector2d(both.center());
+    const Vector2d on_b = pointAt(b.entity->curve, nearestOn(b.entity->curve, p_mm).u);
+    store_.add({Kind::kOverlap, true, may_be_accepted, on_b, second, first, shared_mm});
+    return false;
   }
 
-  static Vector2d nearestPoint(const Item& item, const Vector2d& p_mm) {
-    return pointAt(item.entity->curve, nearestOn(item.entity->curve, p_mm).u);
-  }
+  /// What the end of a curve meets.
+  struct Met {
+    bool any{};
+    bool cut{};
+  };
 
-  /// True when the point lies on another entity (a tee joint).
-  [[nodiscard]] bool isOnAnother(std::size_t self, const Vector2d& p_mm, bool cuts_only) const {
-    return boxes_.any(grown({p_mm, p_mm}, kMet_mm), [&](std::size_t i) {
-      const Item& item = items_[i];
-      if (i == self || item.is_zero || (cuts_only && item.entity->process != Process::kCut)) return false;
-      return item.box.squaredExteriorDistance(p_mm) <= kMet_mm * kMet_mm &&
-             nearestOn(item.entity->curve, p_mm).distance_mm <= kMet_mm;
+  /// Other entities that a point lies on (a tee joint).
+  Met metOnWay(std::size_t self, const Vector2d& p_mm, bool needs_cut) {
+    Met met;
+    const Eigen::AlignedBox2d around(p_mm.array() - kMet_mm, p_mm.array() + kMet_mm);
+    boxes_.any(around, [&](std::size_t i) {
+      if (!mayLook()) return true;
+      const LintItem& item = items_[i];
+      if (i == self || item.is_zero || item.box.squaredExteriorDistance(p_mm) > kMet_mm * kMet_mm)
+        return false;
+      if (met.any && !item.isCut()) return false;
+      if (nearestOn(item.entity->curve, p_mm).distance_mm > kMet_mm) return false;
+      met.any = true;
+      met.cut = met.cut || item.isCut();
+      return met.cut || !needs_cut;
     });
+    return met;
+  }
+
+  /// Ends of other entities at a point; joins cuts that meet there.
+  Met metAtEnds(const LintEndGrid& grid, std::uint32_t self, const Vector2d& p_mm) {
+    Met met;
+    const bool is_cut = items_[self].isCut();
+    grid.near(p_mm, [&](const LintEnd& end) {
+      if (!mayLook()) return true;
+      const LintItem& other = items_[end.item];
+      if (end.item == self || (other.samples.at(end.sample) - p_mm).norm() > kMet_mm) return false;
+      met.any = true;
+      if (is_cut && other.isCut()) {
+        met.cut = true;
+        chain_[root(self)] = root(end.item);
+      }
+      return true;  // Cuts come first in a cell: one that is met joins all others of the cell.
+    });
+    return met;
+  }
+
+  std::uint32_t root(std::uint32_t i) {
+    while (chain_[i] != i) i = chain_[i] = chain_[chain_[i]];
+    return i;
   }
 
   void checkEnds() {
-    const EndGrid grid(items_);
-    std::vector<std::size_t> chain(items_.size());
-    std::iota(chain.begin(), chain.end(), std::size_t{0});
-    const auto root = [&](std::size_t i) {
-      while (chain[i] != i) i = chain[i] = chain[chain[i]];
-      return i;
-    };
-    std::vector<EndGrid::End> loose_cuts;
-    for (std::size_t i = 0; i < items_.size(); ++i) {
-      const Item& item = items_[i];
+    const LintEndGrid meetings(items_, kMet_mm);
+    const LintEndGrid gaps(items_, kGap_mm);
+    chain_.resize(items_.size());
+    std::iota(chain_.begin(), chain_.end(), 0U);
+    std::vector<LintEnd> loose_cuts;
+    for (std::uint32_t i = 0; i < items_.size(); ++i) {
+      const LintItem& item = items_[i];
       if (item.is_zero || item.is_closed) continue;
-      for (const std::size_t s : {std::size_t{0}, std::size_t{4}}) {
-        const Vector2d& p_mm = item.samples[s];
-        bool is_met = false;
-        bool cut_meets = false;
-        EndGrid::End nearest;
-        double nearest_mm = kGap_mm;
-        bool has_nearest = false;
-        grid.near(p_mm, [&](const EndGrid::End& end) {
-          if (end.item == i) return;
-          const Item& other = items_[end.item];
-          const double d_mm = (other.samples[end.sample] - p_mm).norm();
-          const bool both_cut =
-              item.entity->process == Process::kCut && other.entity->process == Process::kCut;
-          if (d_mm <= kMet_mm) {
-            is_met = true;
-            if (both_cut) {
-              cut_meets = true;
-              chain[root(i)] = root(end.item);
-            }
-          } else if (d_mm <= nearest_mm && other.entity->process == item.entity->process &&
-                     nearestOn(item.entity->curve, other.samples[end.sample]).distance_mm > kMet_mm) {
-            // Not where this very entity runs through the other's end: that is an overshoot, and joined.
-            nearest = end;
-            nearest_mm = d_mm;
-            has_nearest = true;
-          }
-        });
+      for (const std::uint32_t s : {0U, 4U}) {
+        const Vector2d& p_mm = item.samples.at(s);
+        const Met ends = metAtEnds(meetings, i, p_mm);
+        if (item.isCut() ? ends.cut : ends.any) continue;
+        const Met way = metOnWay(i, p_mm, item.isCut());
         // Dashes drawn one by one are all gaps, and meant so.
-        const bool may_gap = item.entity->process != Process::kPerforation;
-        if (!is_met && has_nearest && may_gap && !isOnAnother(i, p_mm, false))
-          reportGap({i, s}, nearest, nearest_mm);
-        if (item.entity->process == Process::kCut && !cut_meets && !isOnAnother(i, p_mm, true))
-          loose_cuts.push_back({i, s});
+        if (!ends.any && !way.any && item.entity->process != Process::kPerforation) checkGap(gaps, {i, s});
+        if (item.isCut() && !way.cut) loose_cuts.push_back({i, s});
       }
     }
-    reportOpen(loose_cuts, root);
+    reportOpen(loose_cuts);
   }
 
-  void reportGap(const EndGrid::End& from, const EndGrid::End& to, double gap_mm) {
-    const Item& a = items_[from.item];
-    const Item& b = items_[to.item];
+  /// The nearest end of the same process within a gap.
+  void checkGap(const LintEndGrid& grid, const LintEnd& from) {
+    const LintItem& a = items_[from.item];
+    const Vector2d& p_mm = a.samples.at(from.sample);
+    LintEnd nearest;
+    double nearest_mm = kGap_mm;
+    bool has_nearest = false;
+    grid.near(p_mm, [&](const LintEnd& end) {
+      if (!mayLook()) return true;
+      const LintItem& other = items_[end.item];
+      const double d_mm = (other.samples.at(end.sample) - p_mm).norm();
+      if (end.item == from.item || d_mm > nearest_mm || other.entity->process != a.entity->process)
+        return false;
+      // Not where this very entity runs through the other's end: that is an overshoot, and joined.
+      if (nearestOn(a.entity->curve, other.samples.at(end.sample)).distance_mm <= kMet_mm) return false;
+      nearest = end;
+      nearest_mm = d_mm;
+      has_nearest = true;
+      return false;
+    });
+    if (!has_nearest) return;
     // A pair of loose ends sees itself twice.
-    const auto pair = std::minmax({from.item * 2 + from.sample / 4, to.item * 2 + to.sample / 4});
-    if (!reported_gaps_.insert({(static_cast<std::uint64_t>(pair.first) << 32U) | pair.second, true}).second)
-      return;
-    add(Kind::kGap, true, a.samples[from.sample], a,
-        fmt::format("{} ends {:.4f} mm short of an end of {}.", label(a), gap_mm, label(b)));
+    const auto pair = std::minmax({from.item * 2 + from.sample / 4, nearest.item * 2 + nearest.sample / 4});
+    if (!reported_gaps_.insert((static_cast<std::uint64_t>(pair.first) << 32U) | pair.second).second) return;
+    store_.add({Kind::kGap, true, !a.isCut(), p_mm, from.item, nearest.item, nearest_mm});
   }
 
-  template <class Root>
-  void reportOpen(const std::vector<EndGrid::End>& loose, Root root) {
-    std::unordered_map<std::size_t, std::size_t> loose_ends;
-    for (const EndGrid::End& end : loose) ++loose_ends[root(end.item)];
-    for (const EndGrid::End& end : loose) {
+  void reportOpen(const std::vector<LintEnd>& loose) {
+    std::unordered_map<std::uint32_t, std::uint32_t> loose_ends;
+    for (const LintEnd& end : loose) ++loose_ends[root(end.item)];
+    for (const LintEnd& end : loose) {
       const auto it = loose_ends.find(root(end.item));
       if (it == loose_ends.end()) continue;  // Said once per outline.
-      const Item& item = items_[end.item];
-      add(Kind::kOpenOutline, false, item.samples[end.sample], item,
-          fmt::format("The cut outline with {} is open: {} loose end(s), one at ({:.3f}, {:.3f}) mm.",
-                      label(item), it->second, item.samples[end.sample].x(), item.samples[end.sample].y()));
+      const LintItem& item = items_[end.item];
+      store_.add({Kind::kOpenOutline, false, false, item.samples.at(end.sample), end.item, it->second,
+                  item.length_mm});
       loose_ends.erase(it);
     }
   }
 
   void checkSize() {
     Eigen::AlignedBox2d all;
-    for (const Item& item : items_) all.extend(item.box);
+    for (const LintItem& item : items_) all.extend(item.box);
     const Vector2d size = all.sizes();
     constexpr double kLargest_mm = 3000;
     constexpr double kSmallest_mm = 2;
     if (size.maxCoeff() <= kLargest_mm && size.maxCoeff() >= kSmallest_mm) return;
-    add(Kind::kSuspiciousSize, false, all.center(), items_.front(),
-        fmt::format("The dieline measures {:.3f} x {:.3f} mm: wrong units?", size.x(), size.y()));
+    store_.add(LintFinding{
+        Kind::kSuspiciousSize, false, all.center(), items_.front().entity->layer,
+        fmt::format("The dieline measures {:.3f} x {:.3f} mm: wrong units?", size.x(), size.y())});
   }
 
-  std::vector<Item> items_;
-  BoxTree boxes_;
-  std::unordered_map<std::uint64_t, bool> reported_gaps_;
-  std::vector<LintFinding> findings_;
+  std::vector<LintItem> items_;
+  LintBoxes boxes_;
+  LintStore store_;
+  std::vector<std::uint32_t> chain_;
+  std::unordered_set<std::uint64_t> reported_gaps_;
+  std::size_t pairs_{};
 };
 
 }  // namespace
 
-std::vector<LintFinding> lintDieline(const Dieline& dieline) { return Checker(dieline).run(); }
+LintReport lintDieline(const Dieline& dieline, std::size_t most) { return Checker(dieline, most).run(); }
 
-LintReport lintDieline(const Dieline& dieline, std::size_t) { return {lintDieline(dieline), {}}; }
+std::vector<LintFinding> lintDieline(const Dieline& dieline) {
+  return lintDieline(dieline, kAllFindings).findings;
+}
 
 }  // namespace kerfbench::dieline

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -65,6 +67,25 @@ struct DrawingOptions {
   Eigen::Vector2d shift_mm{Eigen::Vector2d::Zero()};
 };
 
+/// Adds a rule to a profile: {"CUT"}, {"CUT", "other"}, {"*", "color", "1"}, {"*", "linetype", "DASHED"} or
+/// {"*", "both", "1 DASHED"}, each for a process by its name. Returns what is wrong, or nothing.
+std::string addLayerRule(LayerProfile& profile, const std::vector<std::string>& path,
+                         std::string_view process);
+
+/// Options of a drawing as typed on a command line; empty: not told.
+struct DrawingArguments {
+  std::string unit;
+  double scale{1.0};
+  double turn_deg{};
+  std::vector<double> shift_mm;  ///< Two numbers, or none.
+  std::vector<std::string>
+      layers;  ///< Rules such as "CUT=cut" and "*/color/1=cut", in place of the usual names.
+  /// True if nothing was told.
+  [[nodiscard]] bool empty() const;
+};
+/// @throws DielineError for an unknown unit or process, a scale that is not > 0, a rule that is none.
+DrawingOptions drawingOptionsFrom(const DrawingArguments& arguments);
+
 /// Reads .dxf (ASCII, R12 to 2018) or .svg by its extension.
 /// @throws DielineError with everything wrong listed at once.
 Dieline readDieline(const std::filesystem::path& path, const DrawingOptions& options);
@@ -78,17 +99,34 @@ struct LintFinding {
   Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};
   std::string layer;
   std::string message;  ///< One sentence with the entities, their origin and the measure.
-  double size_mm{};     ///< Length that is wrong, mm; the larger, the worse.
+  /// True where nothing but lines that are not cut is wrong, or such a line on a cut: that may be accepted.
+  bool may_be_accepted{};
+  double size_mm{};  ///< Length that is wrong, mm; the larger, the worse.
 };
-/// The worst findings of each kind, by size, and how many there are of each.
+/// The worst findings, and how many there are of each kind.
 struct LintReport {
-  std::vector<LintFinding> findings;  ///< Sorted as the kinds are, then by size, the largest first.
-  std::map<LintFinding::Kind, std::size_t> counts;
+  /// Sorted as the kinds are; of one kind, those that may not be accepted first, then by size, the largest
+  /// first.
+  std::vector<LintFinding> findings;
+  struct Counts {
+    std::size_t all{};
+    std::size_t not_to_be_accepted{};  ///< Errors that may not be accepted.
+  };
+  std::map<LintFinding::Kind, Counts> counts;
 };
+constexpr std::size_t kAllFindings = static_cast<std::size_t>(-1);
 /// Checks a drawing in n log n steps. `most`: findings that are kept of each kind, the worst.
 LintReport lintDieline(const Dieline& dieline, std::size_t most);
 /// All findings.
 std::vector<LintFinding> lintDieline(const Dieline& dieline);
+
+/// True for an error of an accepted kind that may be accepted.
+bool isAccepted(const LintFinding& finding, const std::set<LintFinding::Kind>& accepted);
+/// One sentence for each accepted kind that was found, with the number and the worst.
+std::vector<std::string> acceptedSentences(const LintReport& report,
+                                           const std::set<LintFinding::Kind>& accepted);
+/// One sentence for each kind of which the report does not have all findings.
+std::vector<std::string> uncounted(const LintReport& report);
 
 /// Name of a kind for people and options: "duplicate", "overlap", "gap", "zero-length", "open-outline",
 /// "suspicious-size", "empty".

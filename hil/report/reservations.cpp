@@ -79,6 +79,7 @@ std::vector<Reservation> reservationsOf(const RunReport& report) {
   add("not_judged", unjudged(report.result));
   add("part_not_judged", leftOut(*report.dieline));
   add("part_not_judged", shortLegs(report.result));
+  for (const std::string& note : report.dieline->notes) add("part_not_judged", "drawing: " + note);
   add("model_pictures", report.model_pictures
                             ? "the pins are real, but the pictures are of the model: no real cut was seen"
                             : "");

@@ -17,15 +17,24 @@
 namespace kerfbench::scenario {
 namespace {
 
-// Without this, a drawing with two lines on top of each other would be burnt twice.
-void refuseUnfit(const dieline::Dieline& dieline) {
+// Without this, a drawing with two lines on top of each other would be burnt twice. What is accepted is
+// noted.
+void refuseUnfit(dieline::Dieline& dieline, const std::set<dieline::LintFinding::Kind>& accepted) {
   std::string message;
-  for (const dieline::LintFinding& finding : dieline::lintDieline(dieline)) {
-    if (!finding.is_error) continue;
+  constexpr std::size_t kMost = 20;
+  const dieline::LintReport report = dieline::lintDieline(dieline, kMost);
+  for (const dieline::LintFinding& finding : report.findings) {
+    if (!finding.is_error || dieline::isAccepted(finding, accepted)) continue;
     message += fmt::format("{}{}: at ({:.3f}, {:.3f}) mm, layer {}: {}", message.empty() ? "" : "\n",
                            dieline.path, finding.p_mm.x(), finding.p_mm.y(), finding.layer, finding.message);
   }
-  if (!message.empty()) throw base::ConfigError(message);
+  if (!message.empty()) {
+    for (const std::string& sentence : dieline::uncounted(report))
+      message += fmt::format("\n{}: {}", dieline.path, sentence);
+    throw base::ConfigError(message);
+  }
+  for (std::string& sentence : dieline::acceptedSentences(report, accepted))
+    dieline.notes.push_back(std::move(sentence));
 }
 
 /// With a selection, what is not selected still tells outlines from holes, so all of the drawing must be fit.
@@ -35,7 +44,7 @@ void refuseUnfitNesting(const Scenario& scenario, dieline::Dieline whole) {
   if (!counts || scenario.selection.all()) return;
   for (dieline::Entity& entity : whole.entities) entity.process = dieline::drawnFor(entity);
   try {
-    refuseUnfit(whole);
+    refuseUnfit(whole, scenario.accepted);
   } catch (const base::ConfigError& error) {
     throw base::ConfigError(
         fmt::format("{}: select: the whole drawing tells outlines from holes, and is unfit:\n{}",
@@ -45,13 +54,13 @@ void refuseUnfitNesting(const Scenario& scenario, dieline::Dieline whole) {
 
 /// The drawing as the scenario wants it cut.
 dieline::Dieline selectedDieline(const Scenario& scenario) {
-  dieline::Dieline dieline = dieline::readDieline(scenario.dieline, scenario.layers);
+  dieline::Dieline dieline = dieline::readDieline(scenario.dieline, scenario.drawing);
   try {
     planner::select(dieline, scenario.selection);
   } catch (const planner::PlanError& error) {
     throw base::ConfigError(fmt::format("{}: select: {}", scenario.path.string(), error.what()));
   }
-  refuseUnfit(dieline);
+  refuseUnfit(dieline, scenario.accepted);
   refuseUnfitNesting(scenario, dieline);
   return dieline;
 }

@@ -209,9 +209,8 @@ ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
     file.fault("version", "this program reads version 1");
   readName(file, s);
-  s.dieline = fileOf(file, "dieline");
+  readDrawing(file, s);
   s.machine = fileOf(file, "machine");
-  s.layers = readLayers(file);
   readWires(file, s);
   s.selection = readSelection(file.section("select"));
   auto board = file.section("board");

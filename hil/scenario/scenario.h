@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -98,7 +99,8 @@ struct Scenario {
   std::string title;
   std::filesystem::path dieline;
   std::filesystem::path machine;
-  dieline::LayerProfile layers;
+  dieline::DrawingOptions drawing;                    ///< How the dieline is read.
+  std::set<dieline::LintFinding::Kind> accepted;      ///< Faults of it that do not keep it from the laser.
   std::vector<std::pair<Signal, std::string>> wires;  ///< Names of wires in recordings of other programs.
   planner::Selection selection;                       ///< Part of the dieline that is cut, and judged.
   twin::BoardDescription board;

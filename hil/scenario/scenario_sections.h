@@ -15,7 +15,8 @@ namespace kerfbench::scenario {
 std::filesystem::path fileOf(base::YamlReader& reader, std::string_view key,
                              const std::filesystem::path& second_base = {});
 
-dieline::LayerProfile readLayers(base::YamlReader& file);
+/// Keys dieline and layers.
+void readDrawing(base::YamlReader& file, Scenario& s);
 planner::Selection readSelection(base::YamlReader select);
 twin::BoardDescription readBoard(base::YamlReader& board);
 PrintLayout readPrint(base::YamlReader& print);

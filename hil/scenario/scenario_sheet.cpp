@@ -15,12 +15,6 @@ namespace {
 constexpr double kHuge = 1e9;
 constexpr std::size_t kMostPoints = 1000;  // Longest list.
 
-const std::map<std::string, dieline::Process> kProcesses{{"cut", dieline::Process::kCut},
-                                                         {"half-cut", dieline::Process::kHalfCut},
-                                                         {"crease", dieline::Process::kCrease},
-                                                         {"perforation", dieline::Process::kPerforation},
-                                                         {"ignore", dieline::Process::kIgnore}};
-
 const std::map<std::string, twin::LightLaw> kLightLaws{{"beer", twin::LightLaw::kBeer},
                                                        {"scatter", twin::LightLaw::kScatter},
                                                        {"linear", twin::LightLaw::kLinear}};
@@ -118,19 +112,39 @@ void readBeltRange(base::YamlReader& belt, Scenario& s) {
 }  // namespace
 
 dieline::LayerProfile readLayers(base::YamlReader& file) {
-  const auto rules = file.pairs("layers");
+  const auto rules = file.leaves("layers");
   if (rules.empty()) return dieline::defaultLayerProfile();
   dieline::LayerProfile profile{"scenario", {}};
-  for (const auto& [layer, process] : rules) {
-    const auto found = kProcesses.find(process);
-    if (found == kProcesses.end()) {
-      file.fault("layers", fmt::format("'{}: {}' is none of cut, half-cut, crease, perforation, ignore",
-                                       layer, process));
-    } else {
-      profile.rules[layer] = found->second;
-    }
+  for (const auto& [path, process] : rules) {
+    const std::string fault = dieline::addLayerRule(profile, path, process);
+    if (!fault.empty()) file.fault("layers", fault);
   }
   return profile;
+}
+
+void readDrawing(base::YamlReader& file, Scenario& s) {
+  s.drawing.layers = readLayers(file);
+  if (!file.isMapping("dieline")) {
+    s.dieline = fileOf(file, "dieline");
+    return;
+  }
+  auto drawing = file.section("dieline");
+  s.dieline = fileOf(drawing, "file");
+  if (drawing.has("unit")) {
+    const std::string unit = drawing.choice("unit", {"mm", "cm", "in", "pt", "px"});
+    s.drawing.unit = dieline::drawingUnitFromName(unit);
+  }
+  s.drawing.scale = drawing.number("scale", {.min = 1e-6, .max = 1e6, .fallback = 1.0});
+  s.drawing.turn_deg = drawing.number("turn", {.min = -360, .max = 360, .fallback = 0.0});
+  const auto shift = drawing.numbers("shift", 2, {.min = -1e5, .max = 1e5, .fallback = 0.0});
+  s.drawing.shift_mm = {shift[0], shift[1]};
+  for (const std::string& name : drawing.texts("accept")) {
+    const auto kind = dieline::lintKindFromName(name);
+    if (kind)
+      s.accepted.insert(*kind);
+    else
+      drawing.fault("accept", fmt::format("'{}' is none of duplicate, overlap, gap, zero-length", name));
+  }
 }
 
 planner::Selection readSelection(base::YamlReader select) {

@@ -15,6 +15,7 @@
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "firmware_under_test/planner/head/axes.h"
 #include "firmware_under_test/planner/head/correction.h"
+#include "firmware_under_test/planner/kerfplan/drawing_options.h"
 #include "firmware_under_test/planner/kerfplan/idle_options.h"
 #include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_compensate.h"
@@ -48,8 +49,9 @@ struct Options {
   std::string input;
   std::string output;
   std::string entities, layers, processes;  ///< Selections as typed; empty: all.
-  std::string correction;                   ///< File of the table.
-  std::string image;                        ///< Release image of the controller; empty: the AVR release.
+  dieline::DrawingArguments drawing;
+  std::string correction;  ///< File of the table.
+  std::string image;       ///< Release image of the controller; empty: the AVR release.
   planner::PowerOptions power;
   planner::OwnJobOptions own_job;
   planner::LoopCase loop;  ///< Tube and meter, for power-loop.
@@ -75,7 +77,8 @@ bool isGcode(const std::string& path) {
 }
 
 dieline::Dieline readInput(const Options& options) {
-  dieline::Dieline dieline = dieline::readDieline(options.input, dieline::defaultLayerProfile());
+  dieline::Dieline dieline =
+      dieline::readDieline(options.input, dieline::drawingOptionsFrom(options.drawing));
   for (const std::string& note : dieline.notes) std::cerr << "note: " << note << '\n';
   if (dieline.entities.empty()) throw planner::PlanError(options.input + ": no entities");
   return dieline;
@@ -90,6 +93,9 @@ dieline::Dieline chosenOf(const Options& options) {
 std::string gcodeOf(const Options& options) {
   const bool compensates = options.job.kerf_radius_mm > 0.0;
   if (isGcode(options.input)) {
+    if (!options.drawing.empty())
+      throw planner::PlanError(options.input +
+                               ": --unit, --scale, --turn, --shift and --layer are for drawings");
     if (compensates)
       throw planner::PlanError(options.input + ": G-code is the beam's path, --kerf-radius is for drawings");
     return planner::select(planner::inputText(options.input),
@@ -227,6 +233,7 @@ CLI::App* jobCommand(CLI::App& app, Options& options, const char* name, const ch
   choice("--entities", options.entities, "Only these entities, by id: 3,5-8");
   choice("--layers", options.layers, "Only these layers (or SVG colours) of a drawing: cut,crease");
   choice("--process", options.processes, "Only these processes: cut, half-cut, crease, perforation");
+  planner::addDrawingOptions(*sub, options.drawing);
   addMachine(*sub, options);
   sub->add_option("--correction", options.correction,
                   "CSV table of what the head's formula leaves: x_mm,y_mm,dx_mm,dy_mm")

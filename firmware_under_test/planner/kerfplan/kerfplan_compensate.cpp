@@ -13,6 +13,7 @@
 #include "firmware_under_test/planner/compensation/space_check.h"
 #include "firmware_under_test/planner/compensation/space_file.h"
 #include "firmware_under_test/planner/compensation/svg_sheet.h"
+#include "firmware_under_test/planner/kerfplan/drawing_options.h"
 #include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/kerfplan/output_text.h"
 #include "firmware_under_test/planner/order/kerf.h"
@@ -22,6 +23,7 @@
 namespace kerfbench::planner {
 
 struct CompensateCommand::Options {
+  dieline::DrawingArguments drawing;
   std::string input;
   std::string output;
   JobParameters job;
@@ -108,7 +110,8 @@ std::string planeSummary(const Compensated& done) {
 
 /// Refuses options that the kind of file makes no use of.
 void refuseIdle(const CLI::App& command, bool in_space) {
-  const std::vector<const char*> of_drawings{"--open-cuts", "--allow-lost"};
+  const std::vector<const char*> of_drawings{"--open-cuts", "--allow-lost", "--unit", "--scale",
+                                             "--turn",      "--shift",      "--layer"};
   const std::vector<const char*> of_space{"--side", "--pierced", "--joints", "--chord-error"};
   std::string faults;
   for (const char* option : in_space ? of_drawings : of_space) {
@@ -161,6 +164,7 @@ CompensateCommand::CompensateCommand(CLI::App& app) : options_(std::make_shared<
       "standard output");
   options_->job.given_by = GivenBy::kCommandLine;
   addKerfOptions(*sub_, options_->job);
+  addDrawingOptions(*sub_, options_->drawing);
   const std::map<std::string, Side> sides{{"left", Side::kLeft}, {"right", Side::kRight}};
   sub_->add_option("--side", options_->side, "Side of the beam, seen from the head (.xyz)")
       ->transform(CLI::CheckedTransformer(sides, CLI::ignore_case))
@@ -205,7 +209,7 @@ bool CompensateCommand::run() const {
     }
     return true;
   }
-  const dieline::Dieline dieline = dieline::readDieline(o.input, dieline::defaultLayerProfile());
+  const dieline::Dieline dieline = dieline::readDieline(o.input, dieline::drawingOptionsFrom(o.drawing));
   const Compensated done = compensate(dieline, o.job);
   std::cout << planeSummary(done);
   for (const std::string& note : done.notes) std::cout << note << '\n';

@@ -34,6 +34,9 @@ class ScenarioKeys : public testing::Test {
            "belt: {profile: [{at_s: 1, speed_mm_s: 61}]}\nlayers: {CUT: cut}\n");
     extend("native/label-on-belt.yaml",
            "firmware: {source: child, child: child.sh, image: controller-native, eeprom: blank}\n");
+    extend("native/label-on-belt.yaml",
+           "dieline: {file: " + base::fixture("dielines/label-60x40.dxf").string() +
+               ", unit: mm, scale: 1, turn: 0, shift: [0, 0], accept: [gap]}\n");
     extend("label-on-belt.yaml", "firmware: {dialog: none, start_s: 0.2, quiet_s: 1}\n");
     extend("line-ok/plate.yaml",
            "wires: {galvo_x_pul: X_STEP}\nfirmware: {setup: ['$X'], ahead_bytes: 127}\n");

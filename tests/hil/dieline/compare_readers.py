@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reads drawings of other people's programs with the reader under test and with a second one, and compares length
+per process and box to 1 um. Usage: compare_readers.py MEASURE COUNT WRITER…; exit code 77 where a program that a
+writer needs is absent."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import writers
+
+LIMIT_MM = 1e-3
+SKIPPED = 77
+
+
+def second(path, mm_per_unit):
+    try:
+        import second_reader
+        read = second_reader.read_dxf if path.suffix == ".dxf" else second_reader.read_svg
+        return read(path, mm_per_unit)
+    except ImportError as error:
+        raise writers.Absent(f"Python's {error.name}") from error
+
+
+def first(measure, path, unit):
+    told = ["--unit", unit] if unit else []
+    done = subprocess.run([measure, *told, str(path)], capture_output=True, text=True, timeout=60)
+    if done.returncode != 0:
+        raise ValueError(f"refused: {done.stderr.strip()[:500]}")
+    return json.loads(done.stdout)
+
+
+def differences(ours, theirs):
+    """Largest difference of lengths and of the box, mm, and how they were found."""
+    processes = set(ours["lengths_mm"]) | set(theirs["lengths_mm"])
+    if processes != set(ours["lengths_mm"]) or processes != set(theirs["lengths_mm"]):
+        raise ValueError(f"processes {sorted(ours['lengths_mm'])}, the second reader has {sorted(theirs['lengths_mm'])}")
+    length = max(abs(ours["lengths_mm"][p] - theirs["lengths_mm"][p]) for p in processes)
+    box = max(abs(a - b) for a, b in zip(ours["box_mm"], theirs["box_mm"], strict=True))
+    return length, box
+
+
+def compare(measure, folder, writer, count):
+    """Number of drawings that differ."""
+    bad = 0
+    worst = 0.0
+    for n in range(count):
+        path, unit, mm_per_unit = writers.WRITERS[writer](folder, n)
+        try:
+            found = differences(first(measure, path, unit), second(path, mm_per_unit))
+        except ValueError as error:
+            print(f"{path.name}: {error}")
+            bad += 1
+            continue
+        worst = max(worst, *found)
+        if max(found) > LIMIT_MM:
+            print(f"{path.name}: lengths differ by {found[0]:.6f} mm, boxes by {found[1]:.6f} mm")
+            bad += 1
+    print(f"{writer}: {count - bad} of {count} drawings agree, worst {1e3 * worst:.4f} um")
+    return bad
+
+
+def main(measure, count, names):
+    bad = 0
+    absent = []
+    compared = 0
+    with tempfile.TemporaryDirectory() as name:
+        for writer in names:
+            try:
+                bad += compare(measure, pathlib.Path(name), writer, count)
+                compared += 1
+            except writers.Absent as missing:
+                print(f"SKIPPED {writer}: {missing} is not installed")
+                absent.append(writer)
+    print(f"{compared * count} drawings of {compared} writers, {bad} differ")
+    if bad:
+        return 1
+    return SKIPPED if absent else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], int(sys.argv[2]), sys.argv[3:]))

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prints what the reader makes of drawings, for comparison with other readers: for each file a line of JSON
+// with the length per process and the box, mm.
+#include <cstdio>
+#include <map>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "hil/dieline/geometry.h"
+#include "hil/dieline/read.h"
+
+namespace {
+
+using namespace kerfbench;
+
+std::string measured(const dieline::Dieline& drawing) {
+  std::map<std::string, double> lengths_mm;
+  for (const dieline::Entity& entity : drawing.entities)
+    lengths_mm[std::string(dieline::processName(entity.process))] += dieline::lengthOf(entity.curve);
+  std::string text = "{\"lengths_mm\": {";
+  for (const auto& [process, length_mm] : lengths_mm)
+    text += fmt::format("{}\"{}\": {:.9f}", text.back() == '{' ? "" : ", ", process, length_mm);
+  const auto box = drawing.bounds();
+  text += "}, \"box_mm\": [";
+  if (!box.isEmpty())
+    text += fmt::format("{:.9f}, {:.9f}, {:.9f}, {:.9f}", box.min().x(), box.min().y(), box.max().x(),
+                        box.max().y());
+  return text + "]}";
+}
+
+}  // namespace
+
+/// Arguments are files; `--unit UNIT` says what a unit is in those behind it.
+int main(int argc, char** argv) {
+  dieline::DrawingOptions options;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string(argv[i]) == "--unit" && i + 1 < argc) {
+      options.unit = dieline::drawingUnitFromName(argv[++i]);
+      continue;
+    }
+    try {
+      std::puts(measured(dieline::readDieline(argv[i], options)).c_str());
+    } catch (const dieline::DielineError& error) {
+      std::fprintf(stderr, "%s\n", error.what());
+      return 1;
+    }
+  }
+  return 0;
+}
