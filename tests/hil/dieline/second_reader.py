@@ -2,11 +2,13 @@
 """Length per process and box of a drawing, read by ezdxf or svgelements and integrated numerically. It shares
 nothing with the reader under test: parsing, transforms and curves are the libraries' own."""
 import math
+import re
 
 import numpy as np
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 PARTS = 64
+MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72}
 PROCESS_OF_LAYER = {"0": "cut", "CUT": "cut", "CREASE": "crease", "PERF": "perforation"}
 PROCESS_OF_STROKE = {"#ff0000": "cut", "#000000": "cut", "#0000ff": "crease", "#00ffff": "perforation"}
 
@@ -92,12 +94,15 @@ def flat(vector):
     return np.array([vector.x, vector.y])
 
 
-def dxf_entities(entities):
+def dxf_entities(entities, layer_of_insert="0"):
+    """Entities with all inserts and polylines taken apart; layer 0 of a block is that of its insert."""
     for entity in entities:
+        if entity.dxf.layer == "0":
+            entity.dxf.layer = layer_of_insert
         if entity.dxftype() == "INSERT":
             copies = entity.multi_insert() if entity.mcount > 1 else [entity]
             for copy in copies:
-                yield from dxf_entities(copy.virtual_entities())
+                yield from dxf_entities(copy.virtual_entities(), entity.dxf.layer)
         elif entity.dxftype() in ("LWPOLYLINE", "POLYLINE"):
             yield from entity.virtual_entities()
         else:
@@ -153,7 +158,11 @@ def read_svg(path, mm_per_px):
     """`mm_per_px`: 25.4 / 96, or what a user unit is where the file gives its size without one."""
     import svgelements
     total = Sum()
-    pixels = svgelements.SVG.parse(path, reify=True, ppi=96.0)
+    pixels = svgelements.SVG.parse(path, reify=False, ppi=96.0)
+    # svgelements rounds the px of a millimetre to 3.7795: the page's own width says what they are.
+    width = re.search(r"<svg[^>]*?\bwidth=[\"']([\d.]+)(mm|cm|in|pt)[\"']", path.read_text())
+    if width:
+        mm_per_px = float(width[1]) * MM[width[2]] / float(pixels.width)
     height_mm = mm_per_px * float(pixels.height)
 
     def place(point):
@@ -163,7 +172,7 @@ def read_svg(path, mm_per_px):
         if not isinstance(element, svgelements.Shape) or element.stroke is None or element.stroke.value is None:
             continue
         process = PROCESS_OF_STROKE[element.stroke.hexrgb.lower()]
-        for segment in svgelements.Path(element):
+        for segment in abs(svgelements.Path(element)):
             if isinstance(segment, svgelements.Move) or segment.start is None:
                 continue
             if isinstance(segment, (svgelements.Line, svgelements.Close)):
