@@ -98,6 +98,10 @@ struct YamlReader::Node {
     file->faults.push_back(
         {owner.path, owner.lineOf(key), fmt::format("{}{}: {}", owner.prefix, key, message)});
   }
+  [[nodiscard]] bool isText(std::string_view key) const {
+    const YAML::Node constant = ownerOf(key).yaml;
+    return constant.IsMap() && constant[std::string(key)].IsScalar();
+  }
   // The value at `key`, or an undefined node; notes that the key is known.
   YAML::Node take(std::string_view key, const std::optional<Range>& range = std::nullopt) {
     for (Node* node = this; node != nullptr; node = node->base.get()) node->book->asked.emplace(key);
@@ -256,10 +260,10 @@ std::vector<double> YamlReader::numbers(std::string_view key, std::size_t count,
 
 YamlReader YamlReader::section(std::string_view key) {
   // Sections of the files extended come below, key by key.
-  // A mapping takes the place of a text; a text in its place is a fault below.
-  const bool has_base = node_->base && !(node_->book->has(key) && YamlReader(node_->base).has(key) &&
-                                         !YamlReader(node_->base).isMapping(key));
-  std::shared_ptr<Node> below = has_base ? YamlReader(node_->base).section(key).node_ : nullptr;
+  // A mapping takes the place of a text in the file that is extended.
+  const bool is_replaced = node_->base && node_->book->has(key) && node_->base->isText(key);
+  std::shared_ptr<Node> below =
+      node_->base && !is_replaced ? YamlReader(node_->base).section(key).node_ : nullptr;
   node_->book->asked.emplace(key);
   const YAML::Node constant = node_->yaml;
   const YAML::Node value =

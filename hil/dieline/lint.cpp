@@ -42,7 +42,7 @@ class Checker {
     checkPairs();
     checkEnds();
     checkSize();
-    if (pairs_ > kMostPairs) {
+    if (pairs_ > mostPairs()) {
       store_.add(LintFinding{
           Kind::kOverlap, true, items_[0].samples[0], "",
           fmt::format(
@@ -55,7 +55,8 @@ class Checker {
 
  private:
   /// Counts one more pair; false when there were too many.
-  bool mayLook() { return ++pairs_ <= kMostPairs; }
+  bool mayLook() { return ++pairs_ <= mostPairs(); }
+  [[nodiscard]] std::size_t mostPairs() const { return kMostPairs + kMostPairsOfOne * items_.size(); }
 
   /// All pairs whose boxes touch, in order along x. A curve that repeats another is compared with no third.
   void checkPairs() {
@@ -78,7 +79,6 @@ class Checker {
           near.push_back(rank[item]);
         return !mayLook();
       });
-      std::sort(near.begin(), near.end());
       for (const std::uint32_t k : near) {
         if (is_copy[order[k]]) continue;
         const auto [first, second] = std::minmax(order[i], order[k]);

@@ -67,7 +67,8 @@ std::vector<std::string> uncounted(const LintReport& report) {
         std::count_if(report.findings.begin(), report.findings.end(),
                       [kind = kind](const LintFinding& finding) { return finding.kind == kind; }));
     if (told < counts.all)
-      sentences.push_back(fmt::format("{}: and {} more that are less", lintName(kind), counts.all - told));
+      sentences.push_back(
+          fmt::format("{}: and {} more that are no worse", lintName(kind), counts.all - told));
   }
   return sentences;
 }

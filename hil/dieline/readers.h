@@ -11,6 +11,8 @@ namespace kerfbench::dieline {
 
 /// Most entities of a file, those of nested blocks included.
 inline constexpr std::size_t kMostEntities = 1'000'000;
+/// Most elements of an SVG, those that `use` repeats and those that draw nothing included.
+inline constexpr std::size_t kMostElements = 2'000'000;
 /// Lines no longer than this are none, mm.
 inline constexpr double kNothing_mm = 1e-9;
 inline constexpr int kDeepestNesting = 16;  ///< Most levels of INSERT in INSERT, and of use in use.

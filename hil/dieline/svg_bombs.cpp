@@ -37,8 +37,8 @@ class Counter {
       const std::string_view inner = svgName(child);
       if (inner != "defs" && inner != "symbol") add(count(child, depth));
     }
-    if (sum.count > static_cast<double>(kMostEntities))
-      faults_.fatal(line_of_(node), fmt::format("more than {} elements", kMostEntities));
+    if (sum.count > static_cast<double>(kMostElements))
+      faults_.fatal(line_of_(node), fmt::format("more than {} elements", kMostElements));
     return sum;
   }
 

@@ -20,7 +20,7 @@ pugi::xml_node svgUsed(const pugi::xml_node& use, const SvgIds& ids);
 
 /// Counts what the `use` elements of a file unfold to, without unfolding.
 /// @throws DielineError where uses hold themselves, are nested deeper than kDeepestNesting, or unfold to more
-/// than kMostEntities. `line_of`: line of an element.
+/// than kMostElements. `line_of`: line of an element.
 void refuseSvgBombs(const pugi::xml_node& root, const SvgIds& ids,
                     const std::function<int(const pugi::xml_node&)>& line_of, FaultList& faults);
 

@@ -310,16 +310,26 @@ bool SvgSheet::matches(const pugi::xml_node& node, const Compound& compound) {
   });
 }
 
-/// True when the first `count` compounds of the rule match an element and its ancestors.
-bool SvgSheet::matches(const pugi::xml_node& node, const Rule& rule, std::size_t count) {
-  const Compound& last = rule.compounds[count - 1];
-  if (!matches(node, last)) return false;
-  if (count == 1) return true;
-  for (pugi::xml_node at = node.parent(); at.type() == pugi::node_element; at = at.parent()) {
-    if (matches(at, rule, count - 1)) return true;
-    if (last.before == '>') return false;
+/// True when the rule matches an element and its ancestors. All places of a compound are kept at once: trying
+/// one after the other would take as many steps as there are ways up a deep tree.
+bool SvgSheet::matches(const pugi::xml_node& node, const Rule& rule) {
+  if (!matches(node, rule.compounds.back())) return false;
+  if (rule.compounds.size() == 1) return true;
+  std::vector<pugi::xml_node> way;
+  for (pugi::xml_node at = node; at.type() == pugi::node_element; at = at.parent()) way.push_back(at);
+  std::vector<bool> is_here(way.size(), false);
+  is_here[0] = true;
+  for (std::size_t k = rule.compounds.size() - 1; k > 0; --k) {
+    const bool is_child = rule.compounds[k].before == '>';
+    std::vector<bool> is_next(way.size(), false);
+    bool was_below = false;
+    for (std::size_t i = 1; i < way.size(); ++i) {
+      was_below = is_here[i - 1] || (!is_child && was_below);
+      is_next[i] = was_below && matches(way[i], rule.compounds[k - 1]);
+    }
+    is_here = std::move(is_next);
   }
-  return false;
+  return std::find(is_here.begin(), is_here.end(), true) != is_here.end();
 }
 
 SvgStyle SvgSheet::styleOf(const pugi::xml_node& node) const {
@@ -333,7 +343,7 @@ SvgStyle SvgSheet::styleOf(const pugi::xml_node& node) const {
     if (rules == by_key_.end()) return;
     for (const std::size_t index : rules->second) {
       const Rule& rule = rules_[index];
-      if (!matches(node, rule, rule.compounds.size())) continue;
+      if (!matches(node, rule)) continue;
       std::size_t order = index << 8U;
       for (const Declared& one : declarations_[rule.declarations])
         cascade.offer(one, {false, 1, rule.specificity, order++});

@@ -91,7 +91,7 @@ class SvgSheet {
   static bool readPart(std::string_view& text, Compound& compound, int& specificity);
   static bool readAttribute(std::string_view text, Compound& compound);
   [[nodiscard]] static bool matches(const pugi::xml_node& node, const Compound& compound);
-  [[nodiscard]] static bool matches(const pugi::xml_node& node, const Rule& rule, std::size_t count);
+  [[nodiscard]] static bool matches(const pugi::xml_node& node, const Rule& rule);
   void index(const Compound& last, std::size_t rule);
 
   std::vector<std::vector<Declared>> declarations_;

@@ -222,6 +222,30 @@ TEST(Placing, ScalesAndTurnsAboutTheOriginThenShifts) {
   EXPECT_THAT(faultsOf(".dxf", dxf(lineAt(3, "CUT")), options), HasSubstr("wrong units or scale?"));
 }
 
+TEST(Placing, ArgumentsOfACommandAreRules) {
+  DrawingArguments arguments;
+  EXPECT_TRUE(arguments.empty());
+  arguments.unit = "in";
+  arguments.layers = {"CUT=cut", "*/color/1=crease", "*/linetype/Dashed=perforation",
+                      "*/both/red solid=ignore", "*/other=half-cut"};
+  const DrawingOptions options = drawingOptionsFrom(arguments);
+  EXPECT_EQ(options.unit, DrawingUnit::kInch);
+  EXPECT_EQ(options.layers.rules.at("CUT"), Process::kCut);
+  const StyleRules& others = options.layers.styled.at("*");
+  EXPECT_EQ(others.colour.at("#ff0000"), Process::kCrease);
+  EXPECT_EQ(others.linetype.at("dashed"), Process::kPerforation);
+  EXPECT_EQ(others.both.at("#ff0000 continuous"), Process::kIgnore);
+  EXPECT_EQ(others.other, Process::kHalfCut);
+  for (const char* rule : {"CUT", "CUT=burn", "*/color/256=cut", "*/color/reddish=cut", "*/both/1=cut",
+                           "*/else=cut", "a/b/c/d=cut"}) {
+    arguments.layers = {rule};
+    EXPECT_THROW((void)drawingOptionsFrom(arguments), DielineError) << rule;
+  }
+  arguments.layers.clear();
+  arguments.unit = "feet";
+  EXPECT_THROW((void)drawingOptionsFrom(arguments), DielineError);
+}
+
 TEST(Placing, UnitsHaveOneNameEach) {
   for (const char* name : {"mm", "cm", "in", "pt", "px"}) EXPECT_TRUE(drawingUnitFromName(name)) << name;
   EXPECT_FALSE(drawingUnitFromName("m"));

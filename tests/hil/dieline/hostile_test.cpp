@@ -113,7 +113,7 @@ TEST(HostileSvg, UsesThatUnfoldWithoutBoundEnd) {
     body += "</g>";
   }
   EXPECT_THAT(faultsOf(".svg", svg(body + "</defs><use href='#u12'/>")),
-              HasSubstr("more than 1000000 elements"));
+              HasSubstr("more than 2000000 elements"));
 }
 
 TEST(HostileSvg, DeepNestingEnds) {
@@ -121,6 +121,46 @@ TEST(HostileSvg, DeepNestingEnds) {
   for (int i = 0; i < 100000; ++i) body += "<g>";
   for (int i = 0; i < 100000; ++i) body += "</g>";
   EXPECT_THAT(faultsOf(".svg", svg(body)), HasSubstr("nested deeper than 256"));
+}
+
+TEST(HostileDxf, TenThousandBlocksInEachOtherEnd) {
+  std::string blocks = "0|BLOCK|2|B0|0|LINE|8|CUT|10|0|20|0|11|1|21|1|0|ENDBLK";
+  for (int i = 1; i <= 10000; ++i) {
+    blocks += "|0|BLOCK|2|B" + std::to_string(i) + "|0|INSERT|8|CUT|2|B" + std::to_string(i - 1) +
+              "|10|0|20|0|0|ENDBLK";
+  }
+  EXPECT_THAT(faultsOf(".dxf", dxf("0|INSERT|8|CUT|2|B10000|10|0|20|0", "", blocks)),
+              HasSubstr("nested deeper than 16"));
+  // Blocks that are looked at first from near their bottom are no less deep.
+  EXPECT_THAT(
+      faultsOf(".dxf", dxf("0|INSERT|8|CUT|2|B9|10|0|20|0|0|INSERT|8|CUT|2|B20|10|0|20|0", "", blocks)),
+      HasSubstr("nested deeper than 16"));
+  EXPECT_EQ(faultsOf(".dxf", dxf("0|INSERT|8|CUT|2|B9|10|0|20|0|0|INSERT|8|CUT|2|B12|10|0|20|0", "", blocks)),
+            "");
+}
+
+TEST(HostileSvg, EntitiesAndFilesOfTheDoctypeAreNotTaken) {
+  // Neither a file of this computer nor a text that grows a thousandfold at each step gets into the drawing.
+  const std::string head =
+      "<?xml version='1.0'?><!DOCTYPE svg [<!ENTITY secret SYSTEM 'file:///etc/passwd'>"
+      "<!ENTITY a '0 1 2 3 4 5 6 7 8 9'><!ENTITY b '&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;'>"
+      "<!ENTITY c '&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;'>]>";
+  EXPECT_THAT(faultsOf(".svg", head + svg("<path stroke='red' d='M0 0L&c;'/>")),
+              HasSubstr("path data is broken"));
+  const std::string faults = faultsOf(".svg", head + svg("<path stroke='red' d='&secret;'/>"));
+  EXPECT_THAT(faults, HasSubstr("path data is broken"));
+  EXPECT_THAT(faults, testing::Not(HasSubstr("root:")));
+}
+
+TEST(HostileSvg, SelectorsOverADeepTreeTakeTheirTimeOnly) {
+  // Twelve ancestors among two hundred: 10^18 ways to choose them, and none is right.
+  std::string selector;
+  for (int i = 0; i < 12; ++i) selector += "g ";
+  std::string body = "<style>rect " + selector + "line{stroke:red}</style>";
+  for (int i = 0; i < 200; ++i) body += "<g>";
+  body += "<line x2='9' stroke='blue'/>";
+  for (int i = 0; i < 200; ++i) body += "</g>";
+  EXPECT_EQ(readText(".svg", svg(body)).entities.at(0).layer, "#0000ff");
 }
 
 TEST(Hostile, OtherFilesAreRefused) {

@@ -170,6 +170,56 @@ TEST(Lint, ASheetOfManyPartsTakesItsTimeOnly) {
   EXPECT_TRUE(lintDieline(dielineOf(curves)).empty());
 }
 
+TEST(Lint, ManyCopiesOfOneLineAreOneFindingEach) {
+  const LintReport report =
+      lintDieline(dielineOf(std::vector<Curve>(20000, LineCurve{{0, 0}, {10, 10}})), 20);
+  EXPECT_EQ(report.counts.at(Kind::kDuplicate).all, 19999U);
+  EXPECT_EQ(report.findings.size(), 20U);
+  EXPECT_THAT(uncounted(report), testing::ElementsAre("duplicate: and 19979 more that are no worse"));
+}
+
+TEST(Lint, TheWorstAreNamedFirst) {
+  std::vector<Curve> curves;
+  for (int i = 0; i < 40; ++i) {
+    const double y = 3.0 * i;
+    curves.emplace_back(LineCurve{{0, y}, {20, y}});
+    curves.emplace_back(LineCurve{{20.0 - 0.1 * (i + 1), y}, {40, y}});
+  }
+  const LintReport report = lintDieline(dielineOf(curves), 5);
+  EXPECT_EQ(report.counts.at(Kind::kOverlap).all, 40U);
+  for (int i = 0; i < 5; ++i)
+    EXPECT_NEAR(report.findings.at(static_cast<std::size_t>(i)).size_mm, 0.1 * (40 - i), 1e-9);
+}
+
+TEST(Lint, OnlyWhatTouchesNoCutMayBeAccepted) {
+  Dieline dieline = dielineOf(squareAnd(LineCurve{{10, 0}, {10, 0.24}}));
+  dieline.entities.back().process = Process::kCrease;
+  const std::set<Kind> accepted{Kind::kOverlap};
+  const LintReport crease = lintDieline(dieline, 20);
+  ASSERT_EQ(crease.counts.at(Kind::kOverlap).all, 1U);
+  EXPECT_TRUE(isAccepted(crease.findings.at(0), accepted));
+  EXPECT_FALSE(isAccepted(crease.findings.at(0), {Kind::kGap}));
+  EXPECT_THAT(acceptedSentences(crease, accepted),
+              testing::ElementsAre(testing::HasSubstr("overlap: 1 accepted")));
+  dieline.entities.back().process = Process::kCut;
+  const LintReport cut = lintDieline(dieline, 20);
+  EXPECT_FALSE(isAccepted(cut.findings.at(0), accepted));
+  EXPECT_TRUE(acceptedSentences(cut, accepted).empty());
+  // A cut on a cut is told first, however small it is beside what may be accepted.
+  dieline.entities.push_back({5, LineCurve{{0, 2}, {0, 9}}, Process::kCrease, "CREASE", "line 50"});
+  EXPECT_FALSE(lintDieline(dieline, 1).findings.at(0).may_be_accepted);
+}
+
+TEST(Lint, KindsHaveOneNameEach) {
+  for (const char* name :
+       {"duplicate", "overlap", "gap", "zero-length", "open-outline", "suspicious-size", "empty"}) {
+    const auto kind = lintKindFromName(name);
+    ASSERT_TRUE(kind) << name;
+    EXPECT_EQ(lintName(*kind), name);
+  }
+  EXPECT_FALSE(lintKindFromName("gaps"));
+}
+
 TEST(Lint, AmongManyOpenLinesEachFaultIsFound) {
   std::vector<Curve> curves;
   for (int i = 0; i < 150; ++i) {
