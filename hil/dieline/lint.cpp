@@ -18,9 +18,10 @@ namespace {
 using Eigen::Vector2d;
 using Kind = LintFinding::Kind;
 
-/// Pairs of neighbours that are looked at, of curves and of ends; a drawing with more is no drawing but a
-/// heap of lines on each other.
-constexpr std::size_t kMostPairs = 200'000'000;
+/// Pairs of neighbours that are looked at, of curves and of ends: so many, and more for each curve. A drawing
+/// with more is no drawing but a heap of lines on each other.
+constexpr std::size_t kMostPairs = 40'000'000;
+constexpr std::size_t kMostPairsOfOne = 50;
 
 class Checker {
  public:
@@ -48,7 +49,7 @@ class Checker {
           fmt::format(
               "More than {} pairs of lines are near each other: not all were compared. Are there copies "
               "on each other?",
-              kMostPairs)});
+              mostPairs())});
     }
     return std::move(store_).report();
   }
