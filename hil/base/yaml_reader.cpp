@@ -100,7 +100,9 @@ struct YamlReader::Node {
   }
   [[nodiscard]] bool isText(std::string_view key) const {
     const YAML::Node constant = ownerOf(key).yaml;
-    return constant.IsMap() && constant[std::string(key)].IsScalar();
+    if (!constant.IsMap()) return false;
+    const YAML::Node value = constant[std::string(key)];
+    return given(value) && value.IsScalar();
   }
   // The value at `key`, or an undefined node; notes that the key is known.
   YAML::Node take(std::string_view key, const std::optional<Range>& range = std::nullopt) {

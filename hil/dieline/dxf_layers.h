@@ -48,7 +48,7 @@ class DxfLooks {
  private:
   [[nodiscard]] const DxfRecord* entryOf(std::string_view dictionary, std::string_view name) const;
 
-  std::map<std::string, DxfLayer, std::less<>> layers_;   ///< By name in lower case.
+  std::map<std::string, DxfLayer, std::less<>> layers_;   ///< Layers by name in lower case.
   std::map<std::string_view, const DxfRecord*> objects_;  ///< DICTIONARY and SPATIAL_FILTER by handle.
   DxfLayer unknown_;
 };

@@ -62,8 +62,8 @@ struct DxfFile {
   std::map<std::string, DxfTag, std::less<>> header;    ///< First group of each variable, by $NAME.
   std::map<std::string, DxfBlock, std::less<>> blocks;  ///< Blocks by name in lower case.
   std::vector<DxfRecord> entities;
-  std::vector<DxfRecord> tables;   ///< Of the section TABLES.
-  std::vector<DxfRecord> objects;  ///< Of the section OBJECTS.
+  std::vector<DxfRecord> tables;   ///< Section TABLES.
+  std::vector<DxfRecord> objects;  ///< Section OBJECTS.
 };
 
 /// Cuts `text` (a whole ASCII DXF file) into `file`.

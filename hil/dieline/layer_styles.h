@@ -37,7 +37,7 @@ class LayerCensus {
 
  private:
   struct Seen {
-    std::optional<Process> process;  ///< Of the plain rule; nothing where no rule names the layer.
+    std::optional<Process> process;  ///< What the plain rule says; nothing where no rule names the layer.
     const StyleRules* styled{};      ///< Rules by style; null without.
     std::map<std::pair<std::string, std::string>, int> first_lines;  ///< Colour, linetype -> line.
   };

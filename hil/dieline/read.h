@@ -19,11 +19,11 @@ namespace kerfbench::dieline {
 
 /// What a layer's lines are for, told apart by how they are drawn.
 struct StyleRules {
-  /// By colour: #rrggbb in lower case, or the number of a DXF colour above 6 (see normalColour()).
+  /// Rules for colours: #rrggbb in lower case, or the number of a DXF colour above 6 (see normalColour()).
   std::map<std::string, Process> colour;
-  /// By name of the linetype, in lower case; "continuous" and "dashed" for an SVG.
+  /// Rules for names of linetypes, in lower case; "continuous" and "dashed" for an SVG.
   std::map<std::string, Process> linetype;
-  /// By colour and linetype, with a blank between them.
+  /// Rules for colour and linetype, with a blank between them.
   std::map<std::string, Process> both;
   std::optional<Process> other;  ///< For lines of the layer that no rule above names.
 };
@@ -60,7 +60,7 @@ std::optional<DrawingUnit> drawingUnitFromName(std::string_view name);
 /// How a drawing is to be read.
 struct DrawingOptions {
   LayerProfile layers{defaultLayerProfile()};
-  std::optional<DrawingUnit> unit{};  ///< Of the coordinates in the file; nothing: as the file says.
+  std::optional<DrawingUnit> unit{};  ///< Unit of the coordinates in the file; nothing: as the file says.
   /// The drawing is scaled and turned about the sheet's origin, then shifted. Range of the scale: > 0.
   double scale{1.0};
   double turn_deg{};  ///< Counter-clockwise.

@@ -5,6 +5,7 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <pugixml.hpp>
 
 #include "hil/dieline/readers.h"
 #include "hil/dieline/svg_css.h"
@@ -14,19 +15,19 @@ namespace kerfbench::dieline {
 namespace {
 
 /// What an element unfolds to.
-struct Unfolded {
+struct SvgUnfolded {
   double count{};  ///< Elements; may be far above any integer.
   int height{};    ///< Levels of `use`.
 };
 
-class Counter {
+class SvgCounter {
  public:
-  Counter(const SvgIds& ids, const std::function<int(const pugi::xml_node&)>& line_of, FaultList& faults)
+  SvgCounter(const SvgIds& ids, const std::function<int(const pugi::xml_node&)>& line_of, FaultList& faults)
       : ids_(ids), line_of_(line_of), faults_(faults) {}
 
-  Unfolded count(const pugi::xml_node& node, int depth) {
-    Unfolded sum{1, 0};
-    const auto add = [&](const Unfolded& inner) {
+  SvgUnfolded count(const pugi::xml_node& node, int depth) {
+    SvgUnfolded sum{1, 0};
+    const auto add = [&](const SvgUnfolded& inner) {
       sum.count += inner.count;
       sum.height = std::max(sum.height, inner.height);
     };
@@ -43,7 +44,7 @@ class Counter {
   }
 
  private:
-  Unfolded countUse(const pugi::xml_node& use, int depth) {
+  SvgUnfolded countUse(const pugi::xml_node& use, int depth) {
     const pugi::xml_node target = svgUsed(use, ids_);
     if (!target) return {};
     const auto known = known_.find(target.internal_object());
@@ -53,7 +54,7 @@ class Counter {
                                                inQuotes(target.attribute("id").value()), kDeepestNesting));
     }
     if (known != known_.end()) return known->second;
-    Unfolded inner = count(target, depth + 1);
+    SvgUnfolded inner = count(target, depth + 1);
     ++inner.height;
     known_.emplace(target.internal_object(), inner);
     return inner;
@@ -62,7 +63,7 @@ class Counter {
   const SvgIds& ids_;
   const std::function<int(const pugi::xml_node&)>& line_of_;
   FaultList& faults_;
-  std::unordered_map<const void*, Unfolded> known_;
+  std::unordered_map<const void*, SvgUnfolded> known_;
 };
 
 }  // namespace
@@ -77,7 +78,7 @@ pugi::xml_node svgUsed(const pugi::xml_node& use, const SvgIds& ids) {
 
 void refuseSvgBombs(const pugi::xml_node& root, const SvgIds& ids,
                     const std::function<int(const pugi::xml_node&)>& line_of, FaultList& faults) {
-  Counter(ids, line_of, faults).count(root, 0);
+  SvgCounter(ids, line_of, faults).count(root, 0);
 }
 
 }  // namespace kerfbench::dieline

@@ -6,9 +6,11 @@
 #include <string>
 #include <unordered_map>
 
-#include <pugixml.hpp>
-
 #include "hil/dieline/faults.h"
+
+namespace pugi {
+class xml_node;
+}  // namespace pugi
 
 namespace kerfbench::dieline {
 

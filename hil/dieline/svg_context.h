@@ -26,11 +26,11 @@ struct SvgContext {
   bool is_displayed{true};  ///< False: nothing below is.
   bool has_width{true};     ///< The stroke's width is not 0.
   bool is_dashed{};
-  bool is_opaque_stroke{true};  ///< Its stroke-opacity is not 0.
+  bool is_opaque_stroke{true};  ///< The stroke-opacity is not 0.
   bool is_faded{};              ///< An opacity of 0 here or above.
-  bool overflows{};             ///< Of this element only: what is outside of its viewport is drawn.
-  std::string clip_path;        ///< Of this element only: its reference, such as "url(#a)".
-  std::string faults;           ///< Of this element only: what is wrong with its properties.
+  bool overflows{};             ///< What is outside of the viewport is drawn; not inherited.
+  std::string clip_path;        ///< Reference such as "url(#a)"; not inherited.
+  std::string faults;           ///< What is wrong with the properties; not inherited.
   std::vector<ClipRegion> clips;
   std::vector<std::string> layers;  ///< Labels of the enclosing Inkscape layers, outermost first.
   int depth{};
