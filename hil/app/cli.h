@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "hil/cli/cli.h"
+#include "hil/dieline/read.h"
 
 namespace kerfbench::app {
 
@@ -12,5 +13,7 @@ void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& act
 void addRecordFrames(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 void addCapture(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 void addDoctor(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
+/// --unit, --scale, --turn, --shift and --layer of a command that reads drawings.
+void addReadingOptions(CLI::App& command, dieline::DrawingArguments& arguments);
 
 }  // namespace kerfbench::app

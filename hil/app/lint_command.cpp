@@ -37,12 +37,6 @@ bool isScenario(const fs::path& path) {
   return file.has("dieline") || file.has("firmware");
 }
 
-/// How one drawing is read and what is accepted of it.
-struct DrawingRules {
-  dieline::DrawingOptions options;
-  std::set<dieline::LintFinding::Kind> accepted;
-};
-
 // Returns the number of errors.
 int lintDrawing(const fs::path& path, const DrawingRules& rules, bool quiet) {
   const dieline::Dieline dieline = dieline::readDieline(path, rules.options);
@@ -73,29 +67,6 @@ int lintDrawing(const fs::path& path, const DrawingRules& rules, bool quiet) {
   return static_cast<int>(errors);
 }
 
-// The rules of a scenario, or those of the command line.
-DrawingRules rulesOf(const LintDrawings& drawings, const scenario::ImagePath& images) {
-  DrawingRules rules;
-  if (!drawings.scenario.empty()) {
-    if (!drawings.arguments.empty())
-      throw dieline::DielineError(
-          "--scenario says how a drawing is read: leave out --unit, --scale, --turn, "
-          "--shift and --layer");
-    const scenario::Scenario of = scenario::readScenario(drawings.scenario, images);
-    rules = {of.drawing, of.accepted};
-  } else {
-    rules.options = dieline::drawingOptionsFrom(drawings.arguments);
-  }
-  for (const std::string& name : drawings.accepted) {
-    const auto kind = dieline::lintKindFromName(name);
-    if (!kind)
-      throw dieline::DielineError(
-          fmt::format("--accept {} is none of duplicate, overlap, gap, zero-length", name));
-    rules.accepted.insert(*kind);
-  }
-  return rules;
-}
-
 // A machine can be described before its cameras are calibrated; a run of it would be INVALID.
 void warnOfCameras(const fs::path& path, scenario::Case& test_case, const machine_file::MachineFile& file,
                    bool quiet) {
@@ -107,12 +78,13 @@ void warnOfCameras(const fs::path& path, scenario::Case& test_case, const machin
     say(fmt::format("{}: warning: {}", path.string(), problem));
 }
 
-int lintFile(const fs::path& path, const fs::path& image, const LintDrawings& drawings,
-              const judge::RunOptions& options) {
+int lintFile(const fs::path& path, const fs::path& image, const DrawingChoice& drawings,
+             const judge::RunOptions& options) {
   const scenario::ImagePath images{options.bin_dir.parent_path() / "firmware", image};
-  if (dieline::fileFormatOf(path)) return lintDrawing(path, rulesOf(drawings, images), options.quiet);
-  if (!drawings.scenario.empty() || !drawings.arguments.empty() || !drawings.accepted.empty())
-    throw dieline::DielineError(path.string() + ": options of a drawing are for drawings (.dxf, .svg, .cf2, .pdf)");
+  if (dieline::fileFormatOf(path)) return lintDrawing(path, drawingRules(drawings, images), options.quiet);
+  if (!drawings.empty())
+    throw dieline::DielineError(path.string() +
+                                ": options of a drawing are for drawings (.dxf, .svg, .cf2, .pdf)");
   const auto file_keys = base::YamlReader::openFile(path);
   if (file_keys.has("camera_id")) {
     (void)calibrate::readCalibrationFile(path);
@@ -150,7 +122,7 @@ int lintFile(const fs::path& path, const fs::path& image, const LintDrawings& dr
 
 }  // namespace
 
-int lintCommand(const std::vector<fs::path>& files, const fs::path& image, const LintDrawings& drawings,
+int lintCommand(const std::vector<fs::path>& files, const fs::path& image, const DrawingChoice& drawings,
                 const judge::RunOptions& options) {
   int errors = 0;
   for (const fs::path& path : files) {

@@ -172,22 +172,6 @@ void addFold(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(command, [=] { return foldCommand(*options); });
 }
 
-/// How drawings are read that no scenario names.
-void addDrawingOptions(CLI::App& lint, LintDrawings& drawings) {
-  dieline::DrawingArguments& read = drawings.arguments;
-  lint.add_option("--scenario", drawings.scenario, "Read drawings by the rules of this scenario");
-  lint.add_option("--unit", read.unit, "What a unit of the drawing is: mm, cm, in, pt or px (1/96 in)");
-  lint.add_option("--scale", read.scale, "Enlarge the drawing so many times")->capture_default_str();
-  lint.add_option("--turn", read.turn_deg, "Turn it about the origin, degrees counter-clockwise")
-      ->capture_default_str();
-  lint.add_option("--shift", read.shift_mm, "Move it by x and y, mm")->expected(2);
-  lint.add_option("--layer", read.layers,
-                  "What a layer is for, in place of the usual names: CUT=cut, '*/color/1=cut', "
-                  "'*/linetype/DASHED=perforation', '*/other=ignore'; may be given often");
-  lint.add_option("--accept", drawings.accepted,
-                  "Faults that are accepted where they touch no cut: duplicate, overlap, gap, zero-length");
-}
-
 void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   CLI::App* lint =
       app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg, .pdf, .cf2)");
@@ -196,8 +180,11 @@ void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   const auto options = commonOptions(program);
   lint->add_option("FILE", *files, "Files to check")->required();
   addImageOption(*lint, *image);
-  const auto drawings = std::make_shared<LintDrawings>();
-  addDrawingOptions(*lint, *drawings);
+  const auto drawings = std::make_shared<DrawingChoice>();
+  lint->add_option("--scenario", drawings->scenario, "Read drawings by the rules of this scenario");
+  addReadingOptions(*lint, drawings->arguments);
+  lint->add_option("--accept", drawings->accepted,
+                   "Faults that are accepted where they touch no cut: duplicate, overlap, gap, zero-length");
   lint->add_flag("--quiet,-q", options->quiet, "Only what is wrong");
   actions.add(lint, [=] { return lintCommand(*files, *image, *drawings, *options); });
 }

@@ -26,6 +26,18 @@ std::string readSize(const std::string& text, ShowOptions& options) {
 
 }  // namespace
 
+void addReadingOptions(CLI::App& command, dieline::DrawingArguments& arguments) {
+  command.add_option("--unit", arguments.unit,
+                     "What a unit of the drawing is: mm, cm, in, pt or px (1/96 in)");
+  command.add_option("--scale", arguments.scale, "Enlarge the drawing so many times")->capture_default_str();
+  command.add_option("--turn", arguments.turn_deg, "Turn it about the origin, degrees counter-clockwise")
+      ->capture_default_str();
+  command.add_option("--shift", arguments.shift_mm, "Move it by x and y, mm")->expected(2);
+  command.add_option("--layer", arguments.layers,
+                     "What a layer is for, in place of the usual names: CUT=cut, '*/color/1=cut', "
+                     "'*/linetype/DASHED=perforation', '*/other=ignore'; may be given often");
+}
+
 void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<ShowOptions>();
   ShowOptions& options = *holder;
@@ -35,8 +47,9 @@ void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& act
                                       "drawing has the laser do and what lint finds in it (SVG or PNG)");
   show->add_option("SUBJECT", options.subject,
                    "Machine file, which may be left out where --scenario names it; or a drawing");
-  CLI::Option* scenario =
-      show->add_option("--scenario", options.scenario, "Run this, and draw the machine as it is then");
+  CLI::Option* scenario = show->add_option(
+      "--scenario", options.scenario,
+      "Run this, and draw the machine as it is then; for a drawing, read it by the rules of this");
   show->add_option("--at", options.at_s,
                    "Virtual seconds, one or several; otherwise in the middle of the longest cut")
       ->needs(scenario)
@@ -55,6 +68,7 @@ void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& act
                    "overall, head (mirrors or carriage) or sheet (the board from above)")
       ->check(CLI::IsMember({"overall", "head", "sheet"}))
       ->capture_default_str();
+  addReadingOptions(*show, options.drawing);
   show->add_flag("--quiet,-q", options.quiet, "Only the names of the files");
   actions.add(show, std::move(holder), showCommand);
 }

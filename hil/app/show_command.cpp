@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/app/drawing_choice.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
@@ -135,15 +136,15 @@ int drawDrawing(const ShowOptions& options) {
     complain(fmt::format("show: a drawing is shown as .svg or .png, not as {}", out.string()));
     return base::kExitUsage;
   }
-  const dieline::Dieline dieline = dieline::readDieline(options.subject, dieline::defaultLayerProfile());
+  const DrawingRules rules =
+      drawingRules({options.drawing, options.scenario, {}}, {options.bin_dir.parent_path() / "firmware", {}});
+  const dieline::Dieline dieline = dieline::readDieline(options.subject, rules.options);
   if (dieline.entities.empty()) {
     complain(fmt::format("show: {} has no line to show", options.subject.string()));
     return base::kExitInput;
   }
-  const drawing::PictureContent content{.title = options.subject.filename().string(),
-                                        .findings = dieline::lintDieline(dieline),
-                                        .notes = dieline.notes,
-                                        .width_px = options.width_px};
+  const drawing::PictureContent content =
+      drawing::contentOf(dieline, options.subject.filename().string(), options.width_px);
   if (kind == ".svg") {
     base::writeFileAtomically(out, drawing::svgOf(dieline, content));
   } else {
@@ -155,13 +156,11 @@ int drawDrawing(const ShowOptions& options) {
 }
 
 int showDrawing(const ShowOptions& options) {
-  if (!options.scenario.empty()) {
-    complain("show: name a drawing, or --scenario with a machine, but not both");
-    return base::kExitUsage;
-  }
   try {
     return drawDrawing(options);
   } catch (const dieline::DielineError& e) {
+    complain(e.what());
+  } catch (const base::ConfigError& e) {
     complain(e.what());
   } catch (const std::invalid_argument& e) {
     complain(fmt::format("show: {}: {}", options.subject.string(), e.what()));
@@ -177,6 +176,10 @@ int showCommand(const ShowOptions& options) {
     return base::kExitUsage;
   }
   if (dieline::fileFormatOf(options.subject)) return showDrawing(options);
+  if (!options.drawing.empty()) {
+    complain("show: --unit, --scale, --turn, --shift and --layer are for drawings");
+    return base::kExitUsage;
+  }
   if (!std::ranges::all_of(options.at_s, [](double time_s) { return std::isfinite(time_s); })) {
     complain("show: --at takes seconds");
     return base::kExitUsage;

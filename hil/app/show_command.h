@@ -6,15 +6,17 @@
 #include <vector>
 
 #include "hil/base/exit_codes.h"
+#include "hil/dieline/read.h"
 
 namespace kerfbench::app {
 
 /// A picture of a machine or of a drawing, see showCommand().
 struct ShowOptions {
   std::filesystem::path subject;   ///< Machine or drawing; may be empty where the scenario names the machine.
-  std::filesystem::path scenario;  ///< Empty: the machine at rest.
-  std::vector<double> at_s;        ///< Virtual times; none: the middle of the longest cut.
-  std::filesystem::path out;       ///< Empty: named after machine or scenario, in the current folder.
+  std::filesystem::path scenario;  ///< Empty: the machine at rest. For a drawing: whose rules it is read by.
+  dieline::DrawingArguments drawing;  ///< How a drawing is read that no scenario names.
+  std::vector<double> at_s;           ///< Virtual times; none: the middle of the longest cut.
+  std::filesystem::path out;          ///< Empty: named after machine or scenario, in the current folder.
   int width_px{1280};
   int height_px{800};           ///< A drawing's picture is as high as it needs to be.
   std::string view{"overall"};  ///< overall, head, sheet.

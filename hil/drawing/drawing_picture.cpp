@@ -290,6 +290,13 @@ class Sheet {
 
 }  // namespace
 
+PictureContent contentOf(const dieline::Dieline& dieline, std::string title, int width_px) {
+  dieline::LintReport report = dieline::lintDieline(dieline, kMostFaults);
+  PictureContent content{std::move(title), std::move(report.findings), dieline.notes, width_px};
+  for (std::string& sentence : dieline::uncounted(report)) content.notes.push_back(std::move(sentence));
+  return content;
+}
+
 std::string svgOf(const dieline::Dieline& dieline, const PictureContent& content) {
   const Sheet sheet(dieline, content);
   const auto canvas = svgCanvas(content.width_px, sheet.height_px());

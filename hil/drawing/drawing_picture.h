@@ -18,6 +18,9 @@ struct PictureContent {
   int width_px{1200};              ///< 400 … 8192.
 };
 
+/// What lint finds in a drawing, the worst twenty of each kind, and what its reader noted.
+PictureContent contentOf(const dieline::Dieline& dieline, std::string title, int width_px);
+
 /// A drawing in the sheet's frame S (x to the right, y up) with a scale in mm at two sides and the origin
 /// where it lies within: lines in the colour of their process, pieces shaded, holes and what lies outside
 /// left white, what no process takes in thin grey; a row for each process and layer with the number of its
