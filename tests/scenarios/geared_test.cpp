@@ -52,7 +52,7 @@ TEST_F(GearedSteppers, PlateOnBeltPasses) {
   EXPECT_EQ(done.exit_code, 0) << done.output;
   EXPECT_LT(value("joints"), 0.03);
 }
-TEST_F(GearedSteppers, OneLabelOnBeltPasses) {
+TEST_F(GearedSteppersLong, OneLabelOnBeltPasses) {
   const ProgramRun done = run("label-on-belt", "", "print: {units: 1}\n");
   EXPECT_EQ(done.exit_code, 0) << done.output;
 }
@@ -63,7 +63,7 @@ TEST_F(GearedSteppers, AControllerThatKnowsNothingOfTheMagnetsProvesNothing) {
   EXPECT_THAT(checksThat(verdict(), "PASS"), testing::Not(Contains("path"))) << done.output;
 }
 // At 26.7 mm/s the pattern of rounded steps comes round 192 times in a second.
-TEST_F(GearedSteppers, TheSpeedThatSwingsTheRotorsIsHeldByStepsForTheRotor) {
+TEST_F(GearedSteppersLong, TheSpeedThatSwingsTheRotorsIsHeldByStepsForTheRotor) {
   const std::string belt = "belt: {speed_mm_s: 26.7}\n";
   EXPECT_EQ(run("plate-on-belt", "", belt).exit_code, 0);
   const double led = value("stillness_x");
