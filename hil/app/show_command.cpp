@@ -144,7 +144,7 @@ int drawDrawing(const ShowOptions& options) {
     return base::kExitInput;
   }
   const drawing::PictureContent content =
-      drawing::contentOf(dieline, options.subject.filename().string(), options.width_px);
+      drawing::contentOf(dieline, options.subject.filename().string(), options.width_px, rules.accepted);
   if (kind == ".svg") {
     base::writeFileAtomically(out, drawing::svgOf(dieline, content));
   } else {
@@ -156,6 +156,10 @@ int drawDrawing(const ShowOptions& options) {
 }
 
 int showDrawing(const ShowOptions& options) {
+  if (!options.at_s.empty() || options.view != "overall") {
+    complain("show: --at and --view are for machines");
+    return base::kExitUsage;
+  }
   try {
     return drawDrawing(options);
   } catch (const dieline::DielineError& e) {

@@ -290,8 +290,11 @@ class Sheet {
 
 }  // namespace
 
-PictureContent contentOf(const dieline::Dieline& dieline, std::string title, int width_px) {
+PictureContent contentOf(const dieline::Dieline& dieline, std::string title, int width_px,
+                         const std::set<dieline::LintFinding::Kind>& accepted) {
   dieline::LintReport report = dieline::lintDieline(dieline, kMostFaults);
+  for (dieline::LintFinding& finding : report.findings)
+    finding.is_error = finding.is_error && !dieline::isAccepted(finding, accepted);
   PictureContent content{std::move(title), std::move(report.findings), dieline.notes, width_px};
   for (std::string& sentence : dieline::uncounted(report)) content.notes.push_back(std::move(sentence));
   return content;

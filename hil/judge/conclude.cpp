@@ -67,6 +67,7 @@ report::RunReport reportOf(const scenario::Case& test_case, const run::RecordedR
   }
   report.limits = scenario.limits;
   report.dieline = test_case.dieline;
+  report.accepted = scenario.accepted;
   report.print = scenario.print;
   const bool real_pictures = scenario.cameras.spot.is_real || !scenario.cameras.kerf.tiles.empty();
   report.model_pictures = scenario.firmware.onRealPins() && !real_pictures;

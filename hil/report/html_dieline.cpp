@@ -248,8 +248,8 @@ std::string worstPlaces(const RunReport& report) {
 std::string drawingFigure(const RunReport& report) {
   const dieline::Dieline& dieline = *report.dieline;
   if (dieline.entities.empty()) return {};
-  const drawing::PictureContent content =
-      drawing::contentOf(dieline, std::filesystem::path(dieline.path).filename().string(), 1000);
+  const drawing::PictureContent content = drawing::contentOf(
+      dieline, std::filesystem::path(dieline.path).filename().string(), 1000, report.accepted);
   std::string svg = drawing::svgOf(dieline, content);
   // A file of its own has to name the format; within a page nothing may lead outside.
   constexpr std::string_view kFormat = " xmlns='http://www.w3.org/2000/svg'";

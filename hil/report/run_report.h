@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "hil/base/stopwatch.h"
 #include "hil/dieline/process.h"
+#include "hil/dieline/read.h"
 #include "hil/inspect/inspect.h"
 #include "hil/vision/kerf/kerf_measurement.h"
 #include "hil/vision/spot/spot_track.h"
@@ -108,6 +110,7 @@ struct RunReport {
   // What was measured.
   inspect::Tolerances limits;
   std::shared_ptr<const dieline::Dieline> dieline{dieline::emptyDieline()};  ///< Never null.
+  std::set<dieline::LintFinding::Kind> accepted;  ///< Faults of the drawing that the scenario accepts.
   PrintLayout print;
   vision::KerfScan kerf;
   vision::SpotTrack spot;

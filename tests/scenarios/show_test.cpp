@@ -51,6 +51,31 @@ TEST_F(Show, DrawsARunAtEachTimeAskedFor) {
   EXPECT_TRUE(isPng("run-3.0000s.png"));
 }
 
+TEST_F(Show, DrawsADrawingAsTheNameOfTheFileAsks) {
+  const std::string drawing = fixture("dielines/tuck-end-carton.dxf").string();
+  const auto png = kerfbench(fmt::format("show '{}' --size 500x80 --out '{}'", drawing, file("carton.png")));
+  EXPECT_EQ(png.exit_code, 0) << png.output;
+  EXPECT_TRUE(isPng("carton.png"));
+  const auto svg = kerfbench(fmt::format("show '{}' --out '{}'", drawing, file("carton.svg")));
+  EXPECT_EQ(svg.exit_code, 0) << svg.output;
+  std::ifstream in(scratch_.path() / "carton.svg");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_THAT(text, HasSubstr("tuck-end-carton.dxf: 142.00 x 136.00 mm"));
+  EXPECT_THAT(text, HasSubstr("crease, layer CREASE"));
+}
+
+TEST_F(Show, OptionsOfMachinesAndOfDrawingsAreNotMixed) {
+  const std::string drawing = fixture("dielines/label-60x40.dxf").string();
+  const auto exitOf = [&](const std::string& options, const std::string& out) {
+    return kerfbench(fmt::format("show '{}' {} --out '{}'", drawing, options, file(out))).exit_code;
+  };
+  EXPECT_EQ(exitOf("--view head", "a.svg"), 64);
+  EXPECT_EQ(exitOf("", "a.jpg"), 64);
+  EXPECT_EQ(exitOf("--layer CUT=banana", "a.svg"), 65);
+  EXPECT_EQ(kerfbench(fmt::format("show '{}' --unit mm", machine_)).exit_code, 64);
+  EXPECT_TRUE(nothingWritten());
+}
+
 TEST_F(Show, WrongCommandLineIs64) {
   EXPECT_EQ(kerfbench("show").exit_code, 64);
   EXPECT_EQ(kerfbench(fmt::format("show '{}' --at 1", machine_)).exit_code, 64);

@@ -170,6 +170,16 @@ TEST(HostileCf2, IsToldWhereItBreaks) {
   EXPECT_THAT(faultsOf(".cf2", "$BOF\nV1\nMAIN,A\n"), HasSubstr("save it as CFF2"));
 }
 
+TEST(Cf2, AUnitThatTheFileSaysItselfIsRefused) {
+  DrawingOptions options;
+  options.unit = DrawingUnit::kInch;
+  EXPECT_THAT(faultsOf(".cf2", cf2("L,2,1,0,0,0,10,5,0,0\n"), options), HasSubstr("says its unit itself"));
+  options.unit.reset();
+  options.scale = 2.0;
+  const Dieline twice = readText(".cf2", cf2("L,2,1,0,0,0,10,5,0,0\n"), options);
+  EXPECT_NEAR(twice.bounds().max().x(), 20.0, 1e-9);
+}
+
 TEST(HostileCf2, BlocksThatHoldThemselvesOrUnfoldWithoutBoundEnd) {
   EXPECT_THAT(cf2Faults("C,A,0,0,0,1,1\n",
                         "SUB,A\nC,B,0,0,0,1,1\nC,B,0,0,0,1,1\nEND\n"

@@ -147,6 +147,17 @@ TEST(DrawingPicture, MarksErrorsFirstAndCountsTheRest) {
   EXPECT_EQ(std::distance(marks.begin(), marks.end()), 50);
 }
 
+TEST(DrawingPicture, WhatIsAcceptedIsNoError) {
+  dieline::Dieline dieline = plate();
+  addLine(dieline, Process::kCrease, "fold", {60, 0}, {60, 100});
+  using Kind = dieline::LintFinding::Kind;
+  const std::string as_it_is = svgOf(dieline, contentOf(dieline, "plate", 800, {}));
+  EXPECT_THAT(as_it_is, HasSubstr("error: "));
+  const std::string accepted = svgOf(dieline, contentOf(dieline, "plate", 800, {Kind::kDuplicate}));
+  EXPECT_THAT(accepted, Not(HasSubstr("error: ")));
+  EXPECT_THAT(accepted, HasSubstr("warning: "));
+}
+
 TEST(DrawingPicture, NamesOfLayersDoNothingInTheSvg) {
   dieline::Dieline dieline = plate();
   dieline.entities[0].layer = "<script>alert(1)</script>\x1b[31m";
