@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 
 constexpr double kEdge_mm = 1e-3;
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double crossProduct(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 }  // namespace
 
@@ -50,14 +50,14 @@ std::optional<std::vector<Vector2d>> convexPolygon(const std::vector<Curve>& cur
   if ((corners.back() - corners.front()).norm() <= kEdge_mm) corners.pop_back();
   double area = 0;
   for (std::size_t i = 0; i < corners.size(); ++i)
-    area += cross(corners[i], corners[(i + 1) % corners.size()]);
+    area += crossProduct(corners[i], corners[(i + 1) % corners.size()]);
   if (area < 0) std::reverse(corners.begin(), corners.end());
   double turn = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vector2d a = corners[(i + 1) % corners.size()] - corners[i];
     const Vector2d b = corners[(i + 2) % corners.size()] - corners[(i + 1) % corners.size()];
-    if (cross(a, b) < -1e-9 * a.norm() * b.norm()) return std::nullopt;
-    turn += std::atan2(cross(a, b), a.dot(b));
+    if (crossProduct(a, b) < -1e-9 * a.norm() * b.norm()) return std::nullopt;
+    turn += std::atan2(crossProduct(a, b), a.dot(b));
   }
   // More than one turn is a star, whose corners all bend one way too.
   if (turn > 7) return std::nullopt;

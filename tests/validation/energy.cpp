@@ -15,7 +15,7 @@
 namespace kerfbench::validation {
 namespace {
 
-constexpr double kStep_s = 10e-6;
+constexpr double kEnergyStep_s = 10e-6;
 constexpr double kMass_kg = 0.5;
 
 std::shared_ptr<const twin::Mechanism> thrownUp(double speed_m_s) {
@@ -47,16 +47,16 @@ struct Drift {
 template <typename EnergyFn, typename PlaceFn>
 Drift driftOf(const std::shared_ptr<const twin::Mechanism>& mechanism, twin::Fidelity fidelity, double end_s,
               const EnergyFn& energy, const PlaceFn& place_m) {
-  const auto solver = solverOf(mechanism, kStep_s, fidelity);
+  const auto solver = solverOf(mechanism, kEnergyStep_s, fidelity);
   const double start_j = energy(solver->q()[0], solver->v()[0]);
   Drift drift;
-  const auto steps = std::llround(end_s / kStep_s);
+  const auto steps = std::llround(end_s / kEnergyStep_s);
   for (long long i = 0; i < steps; ++i) {
-    solver->step(static_cast<double>(i) * kStep_s, {});
+    solver->step(static_cast<double>(i) * kEnergyStep_s, {});
     const double now_j = energy(solver->q()[0], solver->v()[0]);
     raiseTo(drift.worst, std::abs(now_j - start_j) / start_j);
   }
-  drift.off_m = std::abs(solver->q()[0] - place_m(static_cast<double>(steps) * kStep_s));
+  drift.off_m = std::abs(solver->q()[0] - place_m(static_cast<double>(steps) * kEnergyStep_s));
   return drift;
 }
 

@@ -19,7 +19,7 @@ using twin::Footprint;
 using twin::Sheet;
 
 constexpr double kRadius_mm = 0.105;
-constexpr double kStep_s = 10e-6;
+constexpr double kBurnStep_s = 10e-6;
 constexpr double kCut_mm = 4.0;
 
 // Board with a curve like S3's figure 1: steep first, then saturating. The threshold is that of board.
@@ -62,7 +62,7 @@ DepthError cutOnce(const Cut& cut) {
   twin::Laser laser(tube, 1);
   double now_s = 0.0;
   // The tube has long come up: the rest is a property of the sheet alone.
-  for (; now_s < 100.0 * tube.rise_time_s; now_s += kStep_s) laser.step(1.0, now_s, kStep_s);
+  for (; now_s < 100.0 * tube.rise_time_s; now_s += kBurnStep_s) laser.step(1.0, now_s, kBurnStep_s);
   const Eigen::Vector2d along(std::cos(cut.turn_rad), std::sin(cut.turn_rad));
   const Eigen::Vector2d start(3.137, -2.719);  // The start is on no node of the map.
   const auto at = [&](double travel_mm) {
@@ -71,11 +71,11 @@ DepthError cutOnce(const Cut& cut) {
     spot.radius_x_mm = spot.radius_y_mm = kRadius_mm;
     return spot;
   };
-  const double stride_mm = cut.speed_mm_s * kStep_s;
+  const double stride_mm = cut.speed_mm_s * kBurnStep_s;
   const auto steps = static_cast<int>(std::ceil(kCut_mm / stride_mm));
   for (int i = 0; i < steps; ++i) {
-    sheet.burn(at(i * stride_mm), at((i + 1) * stride_mm), laser.step(1.0, now_s, kStep_s));
-    now_s += kStep_s;
+    sheet.burn(at(i * stride_mm), at((i + 1) * stride_mm), laser.step(1.0, now_s, kBurnStep_s));
+    now_s += kBurnStep_s;
   }
   DepthError error;
   error.p_ua = cut.power_w / (cut.speed_mm_s * 2.0 * kRadius_mm);
@@ -99,13 +99,13 @@ double powerCurveError() {
     const double u = i / 50.0;
     twin::Laser laser(tube, 1);
     double energy_j = 0.0;
-    for (int k = 0; k < 400; ++k) energy_j = laser.step(u, k * kStep_s, kStep_s);
+    for (int k = 0; k < 400; ++k) energy_j = laser.step(u, k * kBurnStep_s, kBurnStep_s);
     const auto& g = tube.power_curve;
     std::size_t piece = 1;
     while (g[piece].demand < u) ++piece;
     const double t = (u - g[piece - 1].demand) / (g[piece].demand - g[piece - 1].demand);
     const double wanted_w = 80.0 * (g[piece - 1].share + t * (g[piece].share - g[piece - 1].share));
-    raiseTo(worst, std::abs(energy_j / kStep_s - wanted_w) / 80.0);
+    raiseTo(worst, std::abs(energy_j / kBurnStep_s - wanted_w) / 80.0);
   }
   return worst;
 }

@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kLimit_mm = 0.05;
-constexpr double kRadius_mm = 10.0;
+constexpr double kMirrorRadius_mm = 10.0;
 constexpr double kRunUp_mm = 5.0;  // Length from rest to the mark's speed.
 
 struct Variant {
@@ -55,7 +55,7 @@ std::vector<Motion> marks(double speed_mm_s) {
   std::vector<Motion> result{lineOf({-15.0, 3.3}, {15.0, 3.3}, speed_mm_s),
                              lineOf({2.7, -15.0}, {2.7, 15.0}, speed_mm_s),
                              lineOf({-12.0, -5.1}, {13.0, 9.3}, speed_mm_s)};
-  Motion circle({kRadius_mm, 0.0});
+  Motion circle({kMirrorRadius_mm, 0.0});
   circle.arc(Vector2d::Zero(), 2.0 * std::numbers::pi, restToRest(speed_mm_s), true);
   result.push_back(circle);
   return result;
@@ -208,7 +208,7 @@ Section mirrorStepper(const Context& context) {
       "deviation is that of the lit spot from the mark, until 20 ms after its end.\nSubdivision (and one "
       "pulse on the "
       "sheet in mm) against mark speed; fast solver.\n\n",
-      as_shipped.head.throw_mm, kRadius_mm, kRunUp_mm);
+      as_shipped.head.throw_mm, kMirrorRadius_mm, kRunUp_mm);
   section.markdown += markdownTable(
       {"mirror drive", "best", "cells within ±0.05 mm", "holds", "cells with lost steps"}, rows);
   section.markdown += verdict(maps);

@@ -19,7 +19,7 @@ namespace {
 /// the good AVR release would be at 1.12 ± 0.51 %, not proven; at 3 mm it is at 0.75 ± 0.29 %.
 constexpr double kWindow_mm = 3.0;
 /// Shorter steps of the spot are noise in part.
-constexpr double kStep_mm = 0.5;
+constexpr double kEnergyStep_mm = 0.5;
 /// A quantum that begins or ends anywhere between two edges, if the power changes meanwhile.
 constexpr double kQuantumShare = 0.25;
 
@@ -53,7 +53,7 @@ std::vector<Node> nodesOf(const Evidence& evidence, const LitFrames& lit, const 
   std::vector<Node> nodes{{run.begin, 0.0}};
   for (std::size_t i = run.begin + 1; i < run.end; ++i) {
     const double step_mm = wayOf(evidence, lit.frames[nodes.back().frame], lit.frames[i]);
-    if (step_mm >= kStep_mm) nodes.push_back({i, nodes.back().way_mm + step_mm});
+    if (step_mm >= kEnergyStep_mm) nodes.push_back({i, nodes.back().way_mm + step_mm});
   }
   return nodes;
 }

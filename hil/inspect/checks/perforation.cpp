@@ -43,7 +43,7 @@ struct Line {
 };
 
 /// A station along a line.
-struct Reading {
+struct LightReading {
   double at_mm{};
   double light{};  ///< Share of the usual light of a cut, 0 … 1.
   bool unsure{};   ///< Light of other kerfs may come through.
@@ -153,7 +153,7 @@ class LineFinder {
 struct Trace {
   double length_mm{};
   std::vector<double> starts_mm;  ///< Where along the line each piece begins.
-  std::vector<Reading> readings;
+  std::vector<LightReading> readings;
 };
 
 Trace traceOf(const Evidence& evidence, const Line& line, int unit) {
@@ -172,22 +172,22 @@ Trace traceOf(const Evidence& evidence, const Line& line, int unit) {
     }
     trace.length_mm += length_mm;
   }
-  std::ranges::stable_sort(trace.readings, {}, &Reading::at_mm);
+  std::ranges::stable_sort(trace.readings, {}, &LightReading::at_mm);
   const double usual = bright.empty() ? 1.0 : medianOf(std::move(bright));
-  for (Reading& reading : trace.readings) reading.light = std::clamp(reading.light / usual, 0.0, 1.0);
+  for (LightReading& reading : trace.readings) reading.light = std::clamp(reading.light / usual, 0.0, 1.0);
   return trace;
 }
 
 /// Where the light is half. A reading shows the mean of its window, and windows overlap, so the light falls
 /// along a straight line there.
-double edgeBetween(const Reading& before, const Reading& after) {
+double edgeBetween(const LightReading& before, const LightReading& after) {
   const double share = (kHalfLight - before.light) / (after.light - before.light);
   return before.at_mm + share * (after.at_mm - before.at_mm);
 }
 
 std::vector<Edge> edgesOf(const Trace& trace, bool closed) {
   std::vector<Edge> edges;
-  const auto add = [&](const Reading& before, const Reading& after) {
+  const auto add = [&](const LightReading& before, const LightReading& after) {
     const bool was_open = before.light >= kHalfLight;
     const bool is_open = after.light >= kHalfLight;
     if (was_open != is_open)
@@ -195,7 +195,7 @@ std::vector<Edge> edgesOf(const Trace& trace, bool closed) {
   };
   for (std::size_t i = 0; i + 1 < trace.readings.size(); ++i) add(trace.readings[i], trace.readings[i + 1]);
   if (!closed || trace.readings.empty()) return edges;
-  Reading again = trace.readings.front();
+  LightReading again = trace.readings.front();
   again.at_mm += trace.length_mm;
   add(trace.readings.back(), again);
   if (edges.empty()) return edges;
@@ -307,7 +307,7 @@ struct LineVerdict {
 };
 LineVerdict judge(const Line& line, const Trace& trace, const Tolerances::Perforation& order) {
   Pattern pattern = patternOn(line, trace.length_mm, order);
-  const bool any_sure = std::ranges::any_of(trace.readings, [](const Reading& r) { return !r.unsure; });
+  const bool any_sure = std::ranges::any_of(trace.readings, [](const LightReading& r) { return !r.unsure; });
   std::vector<Edge> edges = edgesOf(trace, line.closed);
   if (edges.empty()) {
     if (!any_sure) return {};

@@ -20,7 +20,7 @@ using test::mirrorJob;
 using test::twoMirror;
 using ::testing::HasSubstr;
 
-std::string faultsIn(const std::string& text) {
+std::string gcodeFaults(const std::string& text) {
   try {
     readGcode(text);
   } catch (const PlanError& error) {
@@ -89,7 +89,7 @@ TEST(Gcode, HandEditsThatChangeNothingChangeNothing) {
   for (std::size_t i = 0; i + 1 < edited.size(); ++i) {
     EXPECT_EQ(planFromGcode(edited[i], machine, mirrorJob()).program.ops, program.ops) << edited[i];
   }
-  EXPECT_THAT(faultsIn(edited.back()), HasSubstr("no Z yet"));
+  EXPECT_THAT(gcodeFaults(edited.back()), HasSubstr("no Z yet"));
 }
 
 TEST(Gcode, WordsLeftOutKeepTheirValue) {
@@ -114,7 +114,7 @@ TEST(Gcode, DeletedAndReorderedGroupsAreCutAsTheyStand) {
 }
 
 TEST(Gcode, EveryFaultIsListedWithItsLine) {
-  const std::string faults = faultsIn(
+  const std::string faults = gcodeFaults(
       "G01 X1 Y1 Z1\n"               // 1 no start
       "G00 X0 Y0 Z0\n"               //
       "G02 X10 Y0 I4.99 J0 Z1\n"     // 3 off the circle by 0.02
@@ -139,13 +139,13 @@ TEST(Gcode, EveryFaultIsListedWithItsLine) {
 }
 
 TEST(Gcode, AnArcWithinFiveMicrometresIsTaken) {
-  EXPECT_EQ(faultsIn("G00 X0 Y0\nG02 X10 Y0 I5.002 J0 Z1\n"), "");
-  EXPECT_THAT(faultsIn("G00 X0 Y0\nG02 X10 Y0 I5.003 J0 Z1\n"), HasSubstr("line 2"));
+  EXPECT_EQ(gcodeFaults("G00 X0 Y0\nG02 X10 Y0 I5.002 J0 Z1\n"), "");
+  EXPECT_THAT(gcodeFaults("G00 X0 Y0\nG02 X10 Y0 I5.003 J0 Z1\n"), HasSubstr("line 2"));
 }
 
 TEST(Gcode, NothingToCutIsAFault) {
-  EXPECT_THAT(faultsIn(""), HasSubstr("no line or arc"));
-  EXPECT_THAT(faultsIn("G00 X1 Y1\nG00 X2 Y2\n"), HasSubstr("no line or arc"));
+  EXPECT_THAT(gcodeFaults(""), HasSubstr("no line or arc"));
+  EXPECT_THAT(gcodeFaults("G00 X1 Y1\nG00 X2 Y2\n"), HasSubstr("no line or arc"));
 }
 
 TEST(Gcode, NeverCrashesOnDamage) {

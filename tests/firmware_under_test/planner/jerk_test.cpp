@@ -19,10 +19,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPeriod_s = 0.8e-3;
+constexpr double kJerkPeriod_s = 0.8e-3;
 
 SpeedLimits limits(double speed, double acceleration, double jerk) {
-  return {speed, acceleration, kPeriod_s, [](const Vector2d&) { return 1e9; }, jerk};
+  return {speed, acceleration, kJerkPeriod_s, [](const Vector2d&) { return 1e9; }, jerk};
 }
 
 Segment straight(Vector2d from, Vector2d to) {
@@ -39,7 +39,7 @@ double jerkOf(std::vector<Vector2d> points) {
   double most = 0.0;
   for (std::size_t i = 3; i < points.size(); ++i) {
     const Vector2d third = points[i] - 3.0 * points[i - 1] + 3.0 * points[i - 2] - points[i - 3];
-    most = std::max(most, third.norm() / (kPeriod_s * kPeriod_s * kPeriod_s));
+    most = std::max(most, third.norm() / (kJerkPeriod_s * kJerkPeriod_s * kJerkPeriod_s));
   }
   return most;
 }
@@ -58,12 +58,12 @@ TEST(Jerk, ALineTakesTheTimeOfItsSCurve) {
   const double ramp_s = 200.0 / 2000.0 + 2000.0 / (0.8 * 25000.0);
   const double total_s = 2.0 * ramp_s + (100.0 - 200.0 * ramp_s) / 200.0;
   EXPECT_EQ(planRun(run, limits(200, 2000, 25000)).size() - 1,
-            static_cast<std::size_t>(std::ceil(total_s / kPeriod_s - 1e-6)));
+            static_cast<std::size_t>(std::ceil(total_s / kJerkPeriod_s - 1e-6)));
   // The run is too short for full acceleration: four bows of cbrt(l / (2 j)) each.
   const std::vector<Segment> short_run{straight({0, 0}, {0.1, 0})};
   const double bow_s = std::cbrt(0.1 / (2.0 * 0.8 * 25000.0));
   EXPECT_EQ(planRun(short_run, limits(200, 2000, 25000)).size() - 1,
-            static_cast<std::size_t>(std::ceil(4.0 * bow_s / kPeriod_s - 1e-6)));
+            static_cast<std::size_t>(std::ceil(4.0 * bow_s / kJerkPeriod_s - 1e-6)));
 }
 
 TEST(Jerk, WithoutALimitOrWithAGreatOneItIsTheTrapezoid) {
@@ -187,7 +187,7 @@ FlowLimits flowLimits(double jerk) {
   FlowLimits flow;
   flow.mark_mm_s = flow.jump_mm_s = 200.0;
   flow.acceleration_mm_s2 = flow.jump_acceleration_mm_s2 = 5000.0;
-  flow.period_s = kPeriod_s;
+  flow.period_s = kJerkPeriod_s;
   flow.axes_mm_s = [](const Vector2d&) { return 1e9; };
   flow.jerk_mm_s3 = jerk;
   return flow;
@@ -211,16 +211,16 @@ TEST(Jerk, AProfileIsRealisedInAnyTimeBetweenItsBounds) {
   }
   ASSERT_DOUBLE_EQ(fast.front(), 90.0);
   ASSERT_DOUBLE_EQ(fast.back(), 30.0);
-  const auto least = static_cast<int>(std::ceil(profile.shortestS(fast) / kPeriod_s));
+  const auto least = static_cast<int>(std::ceil(profile.shortestS(fast) / kJerkPeriod_s));
   for (const int periods : {least, least + 1, least + 7, 2 * least, 5 * least}) {
-    ASSERT_TRUE(profile.canTake(slow, periods * kPeriod_s));
-    const std::vector<double> s = profile.stations(slow, fast, periods, kPeriod_s);
+    ASSERT_TRUE(profile.canTake(slow, periods * kJerkPeriod_s));
+    const std::vector<double> s = profile.stations(slow, fast, periods, kJerkPeriod_s);
     ASSERT_EQ(s.size(), static_cast<std::size_t>(periods) + 1);
-    EXPECT_NEAR((s[1] - s[0]) / kPeriod_s, 90.0, 1.5) << periods;
-    EXPECT_NEAR((s[s.size() - 1] - s[s.size() - 2]) / kPeriod_s, 30.0, 1.5) << periods;
+    EXPECT_NEAR((s[1] - s[0]) / kJerkPeriod_s, 90.0, 1.5) << periods;
+    EXPECT_NEAR((s[s.size() - 1] - s[s.size() - 2]) / kJerkPeriod_s, 30.0, 1.5) << periods;
     for (std::size_t i = 3; i < s.size(); ++i) {
       const double third = s[i] - 3.0 * s[i - 1] + 3.0 * s[i - 2] - s[i - 3];
-      EXPECT_LE(std::abs(third) / std::pow(kPeriod_s, 3), 0.8 * jerk * 1.001) << periods << " at " << i;
+      EXPECT_LE(std::abs(third) / std::pow(kJerkPeriod_s, 3), 0.8 * jerk * 1.001) << periods << " at " << i;
     }
   }
 }

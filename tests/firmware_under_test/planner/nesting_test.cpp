@@ -36,7 +36,7 @@ using ::testing::Not;
 
 /// A label (E0 to E7) with a round hole (E8), a square one (E9 to E12) with an island (E13 to E16), a crease
 /// (E17) in it, and a round label beside it (E18).
-dieline::Dieline drawing() {
+dieline::Dieline nestedDrawing() {
   std::vector<dieline::Entity> entities = test::label().entities;
   entities.push_back(arc(-30.0, 12.0, 2.5, 0.0, 360.0));
   for (const auto& [x, y, half] : {std::tuple(-45.0, -5.0, 5.0), std::tuple(-45.0, -5.0, 2.0)}) {
@@ -107,11 +107,11 @@ TEST(Nesting, EachEntityIsCutAloneAsInTheWholeJob) {
   const std::vector<std::string> selections{"8",    "0-7",  "0-8",     "9-12", "13-16",   "9-16",
                                             "8,18", "9,11", "0,13,14", "3-5",  "13,17,18"};
   for (const double radius_mm : {0.0, 0.1}) {
-    const auto whole = marksOf(drawing(), jobWith(Order::kShortest, radius_mm));
-    ASSERT_EQ(whole.size(), drawing().entities.size());
+    const auto whole = marksOf(nestedDrawing(), jobWith(Order::kShortest, radius_mm));
+    ASSERT_EQ(whole.size(), nestedDrawing().entities.size());
     for (const Order order : {Order::kShortest, Order::kNearest, Order::kDrawn}) {
       for (const std::string& selection : selections) {
-        const dieline::Dieline part = chosen(drawing(), selection);
+        const dieline::Dieline part = chosen(nestedDrawing(), selection);
         const auto marks = marksOf(part, jobWith(order, radius_mm));
         for (const dieline::Entity& entity : part.entities) {
           const std::string what = fmt::format("E{} of {}, order {}, radius {}", entity.id, selection,
@@ -130,13 +130,13 @@ TEST(Nesting, EachEntityIsCutAloneAsInTheWholeJob) {
 TEST(Nesting, AHoleAloneIsCutInsideOfItsLine) {
   for (const Order order : {Order::kShortest, Order::kNearest, Order::kDrawn}) {
     const JobParameters job = jobWith(order, 0.132);
-    EXPECT_NEAR(radiusOf(marksOf(chosen(drawing(), "8"), job).at(8)), 2.368, 1e-3);
-    EXPECT_NEAR(radiusOf(marksOf(chosen(drawing(), "18"), job).at(18)), 8.132, 1e-3);
+    EXPECT_NEAR(radiusOf(marksOf(chosen(nestedDrawing(), "8"), job).at(8)), 2.368, 1e-3);
+    EXPECT_NEAR(radiusOf(marksOf(chosen(nestedDrawing(), "18"), job).at(18)), 8.132, 1e-3);
   }
 }
 
 TEST(Nesting, OfALayerThatIsIgnoredDoesNotCount) {
-  dieline::Dieline dieline = drawing();
+  dieline::Dieline dieline = nestedDrawing();
   for (int id = 0; id < 8; ++id) dieline.entities[static_cast<std::size_t>(id)].process = Process::kIgnore;
   const auto marks = marksOf(chosen(dieline, "8"), jobWith(Order::kShortest, 0.132));
   EXPECT_NEAR(radiusOf(marks.at(8)), 2.632, 1e-3);
@@ -157,14 +157,14 @@ TEST(Nesting, SeesAHoleCloseToTheArcOfALargeOutline) {
 }
 
 TEST(Nesting, AFurtherSelectionKeepsWhatTheFirstLeftOut) {
-  const dieline::Dieline dieline = chosen(chosen(drawing(), "8-18"), "", "cut");
+  const dieline::Dieline dieline = chosen(chosen(nestedDrawing(), "8-18"), "", "cut");
   const auto marks = marksOf(chosen(dieline, "8"), jobWith(Order::kShortest, 0.132));
   EXPECT_NEAR(radiusOf(marks.at(8)), 2.368, 1e-3);
 }
 
 TEST(Nesting, TheOrderDrawnKeepsItsSequenceAndSenseWithAKerf) {
   for (const std::string selection : {"0-18", "3,8-13"}) {
-    const dieline::Dieline part = chosen(drawing(), selection);
+    const dieline::Dieline part = chosen(nestedDrawing(), selection);
     const JobParameters plain = jobWith(Order::kDrawn, 0.0);
     const JobParameters beside = jobWith(Order::kDrawn, 0.1);
     const std::vector<Stop> lines = drawnOrder(part, plain, {});
@@ -190,7 +190,7 @@ TEST(Nesting, TheOrderDrawnKeepsItsSequenceAndSenseWithAKerf) {
 }
 
 TEST(Nesting, NotesAndRefusalsConcernWhatIsChosen) {
-  dieline::Dieline dieline = drawing();
+  dieline::Dieline dieline = nestedDrawing();
   std::vector<dieline::Entity> entities = dieline.entities;
   entities.push_back(arc(-10.0, 0.0, 0.05, 0.0, 360.0));  // E19: smaller than the kerf.
   entities.push_back(line(-12.0, -10.0, -12.0, -5.0));    // E20: open.
@@ -207,7 +207,7 @@ TEST(Nesting, NotesAndRefusalsConcernWhatIsChosen) {
 }
 
 TEST(Nesting, ThatCannotBeToldIsRefusedThoughTheReasonIsNotChosen) {
-  std::vector<dieline::Entity> entities = drawing().entities;
+  std::vector<dieline::Entity> entities = nestedDrawing().entities;
   entities.push_back(arc(-30.0, 12.0, 2.5, 90.0, 360.0));  // The hole once more.
   const dieline::Dieline dieline = test::dielineOf(entities);
   const auto refusalOf = [&](double radius_mm) {
@@ -220,7 +220,7 @@ TEST(Nesting, ThatCannotBeToldIsRefusedThoughTheReasonIsNotChosen) {
 }
 
 TEST(Nesting, HolesOfOneLabelGoBeforeTheOutlineOfAnother) {
-  const dieline::Dieline part = chosen(drawing(), "8,18");
+  const dieline::Dieline part = chosen(nestedDrawing(), "8,18");
   const std::vector<Stop> order = nearestOrder(part, jobWith(Order::kNearest, 0.0), {}, {});
   ASSERT_EQ(order.size(), 2U);
   EXPECT_EQ(order[0].chain.segments[0].entity, 8);

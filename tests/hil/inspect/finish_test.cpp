@@ -2,11 +2,10 @@
 // A controller that stops before the job is done.
 #include "hil/inspect/verdict/controller_end.h"
 
-#include <limits>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/hil/inspect/not_numbers.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
 namespace kerfbench::inspect {
@@ -16,8 +15,6 @@ using namespace testing;
 using Said = ControllerEnd::Said;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // The stop is later than all events of a SyntheticRun.
 ControllerEnd stopped() { return {Said::kStopped, 100.0, "belt-fast", "the belt is too fast", true, 99.9}; }

@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "hil/dieline/geometry.h"
+#include "tests/hil/inspect/not_numbers.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
 namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// A flawless run with all corners of its outline and all ends of its crease.
 struct JointRun : SyntheticRun {

@@ -24,22 +24,19 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/hil/inspect/not_numbers.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
 namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 bool tells(const InspectionResult& result, const std::string& word) {
   return std::any_of(result.problems.begin(), result.problems.end(),

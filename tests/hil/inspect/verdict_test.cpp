@@ -2,18 +2,15 @@
 #include "hil/inspect/verdict/verdict.h"
 
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "hil/inspect/evidence/extreme.h"
+#include "tests/hil/inspect/not_numbers.h"
 
 namespace kerfbench::inspect {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 Check makeCheck(double value, double limit, double guard, bool upper = true) {
   Check check;

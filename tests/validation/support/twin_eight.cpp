@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using twin::JointDescription;
 using Kind = JointDescription::Kind;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kWholeTurn = 2.0 * std::numbers::pi;
 
 JointDescription joint(const char* name, Kind kind, int parent, const Vector3d& place_m, const Vector3d& axis,
                        double mass_kg, double inertia_kg_m2) {
@@ -32,7 +32,7 @@ JointDescription joint(const char* name, Kind kind, int parent, const Vector3d& 
 
 twin::JointDrive servo(const char* name, std::size_t joint, double hz, double zeta, double inertia) {
   twin::ServoDescription description;
-  description.natural_frequency_rad_s = kTurn * hz;
+  description.natural_frequency_rad_s = kWholeTurn * hz;
   description.damping = zeta;
   twin::JointDrive drive;
   drive.name = name;
@@ -44,7 +44,7 @@ twin::JointDrive servo(const char* name, std::size_t joint, double hz, double ze
 
 twin::CouplingDescription twist(const EightJoints& m, std::size_t joint) {
   const double reduced = m.mirror_kg_m2 * m.rotor_kg_m2 / (m.mirror_kg_m2 + m.rotor_kg_m2);
-  const double wn = kTurn * m.twist_hz;
+  const double wn = kWholeTurn * m.twist_hz;
   twin::CouplingDescription coupling;
   coupling.a = joint;
   coupling.stiffness = reduced * wn * wn;
@@ -76,7 +76,7 @@ std::shared_ptr<const twin::Mechanism> twinEight(const EightJoints& m) {
   belt.damping = m.belt_n_s_m;
   d.couplings = {belt, twist(m, EightJoints::kTwistA), twist(m, EightJoints::kTwistB)};
   const double shaft = m.rotor_kg_m2 + m.mirror_kg_m2;
-  const double ws = kTurn * m.stepper_hz;
+  const double ws = kWholeTurn * m.stepper_hz;
   twin::StepperDescription stepper;
   stepper.rotor_teeth = static_cast<int>(m.stepper_teeth);
   stepper.holding_torque_nm = shaft * ws * ws / m.stepper_teeth;

@@ -24,7 +24,9 @@ using Kind = StreamEvent::Kind;
 
 constexpr const char* kPath = "/dev/video7";
 
-CameraSettings greySettings() { return {.format = findPixelFormat("GREY"), .width_px = 64, .height_px = 48}; }
+CameraSettings streamSettings() {
+  return {.format = findPixelFormat("GREY"), .width_px = 64, .height_px = 48};
+}
 
 /// Expects an event that ends the stream: it is reported again.
 void expectEnds(V4l2Stream& stream, Kind kind, const std::string& words) {
@@ -70,7 +72,7 @@ TEST(V4l2Stream, GivesFramesInOrderWithWhatTheDriverSaysOfThem) {
   video.frames[2].flags = V4L2_BUF_FLAG_TIMESTAMP_COPY | V4L2_BUF_FLAG_ERROR;
   video.frames[3].flags = 0;
   {
-    V4l2Stream stream(video, kPath, greySettings(), 4);
+    V4l2Stream stream(video, kPath, streamSettings(), 4);
     EXPECT_EQ(video.bufferCount(), 4U);
     EXPECT_EQ(video.queuedCount(), 4U);
     for (std::uint32_t i = 0; i < 40; ++i) {
@@ -101,7 +103,7 @@ TEST(V4l2Stream, MakesATimeOfAStampThatIsNone) {
   video.frames[0].odd_stamp = timeval{kFar, kFar};
   video.frames[1].odd_stamp = timeval{-kFar, -kFar};
   video.frames[2].odd_stamp = timeval{7, 1'000'000};
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   EXPECT_EQ(stream.next(1000).note.stamp_ns, 4'000'000'000'999'999'000);
   EXPECT_EQ(stream.next(1000).note.stamp_ns, 0);
   EXPECT_EQ(stream.next(1000).note.stamp_ns, 7'999'999'000);
@@ -109,7 +111,7 @@ TEST(V4l2Stream, MakesATimeOfAStampThatIsNone) {
 
 TEST(V4l2Stream, SaysThatNothingCameAndGoesOnWhenItDoes) {
   FakeVideo video;
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   const StreamEvent none = stream.next(250);
   EXPECT_EQ(none.kind, Kind::kTimeout);
   EXPECT_THAT(none.words, HasSubstr("no frame within 250 ms"));
@@ -122,7 +124,7 @@ TEST(V4l2Stream, IsNotKeptWaitingByWakeUpsForNothing) {
   FakeVideo video;
   video.idle_poll = POLLIN;  // Another thread took the frame, for example; DQBUF gives EAGAIN.
   Ticking ticking(video);
-  V4l2Stream stream(ticking, kPath, greySettings());
+  V4l2Stream stream(ticking, kPath, streamSettings());
   EXPECT_EQ(stream.next(100).kind, Kind::kTimeout);
   EXPECT_EQ(ticking.polls, 11);
 }
@@ -131,7 +133,7 @@ TEST(V4l2Stream, MakesAnInterruptedCallAgain) {
   FakeVideo video;
   video.addFrames(2);
   video.interruptions = 5;
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   video.interruptions = 3;
   EXPECT_EQ(stream.next(1000).kind, Kind::kFrame);
   video.interruptions = 3;
@@ -143,7 +145,7 @@ TEST(V4l2Stream, TellsFramesOfTooFewOrTooManyBytesAndReadsNoneBeyondTheBuffer) {
   video.addFrames(3);
   video.frames[0].bytesused = 64 * 48 - 1;
   video.frames[1].bytesused = 64 * 48 + 1;
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   StreamEvent event = stream.next(1000);
   EXPECT_TRUE(event.note.is_short);
   EXPECT_EQ(event.bytes.size(), 64U * 48 - 1);
@@ -159,7 +161,7 @@ TEST(V4l2Stream, TellsAFrameThatIsLongerThanFramesAreThoughTheBufferHoldsIt) {
   video.buffer_slack = 1024;
   video.addFrames(2);
   video.frames[0].bytesused = 64 * 48 + 1;
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   EXPECT_TRUE(stream.next(1000).note.is_short);
   EXPECT_FALSE(stream.next(1000).note.is_short);
 }
@@ -168,7 +170,7 @@ TEST(V4l2Stream, HearsOfTheSourceOfTheInputThatIsSelected) {
   FakeVideo video;
   video.input = 2;
   video.addFrames(2);
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   EXPECT_EQ(stream.next(1000).kind, Kind::kFrame);
   v4l2_event change{};
   change.type = V4L2_EVENT_SOURCE_CHANGE;
@@ -181,7 +183,7 @@ TEST(V4l2Stream, HearsOfTheSourceOfTheInputThatIsSelected) {
 TEST(V4l2Stream, EndsWhenTheSourceTellsAnotherSize) {
   FakeVideo video;
   video.addFrames(3);
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   EXPECT_EQ(stream.next(1000).kind, Kind::kFrame);
   v4l2_event other{};
   other.type = V4L2_EVENT_CTRL;
@@ -199,7 +201,7 @@ TEST(V4l2Stream, EndsWhenSizeFormatOrRowsAreOthersWithoutAWord) {
     FakeVideo video;
     video.has_events = false;
     video.addFrames(3);
-    V4l2Stream stream(video, kPath, greySettings());
+    V4l2Stream stream(video, kPath, streamSettings());
     EXPECT_EQ(stream.next(1000).kind, Kind::kFrame);
     if (what == 0) video.format.width = 128;
     if (what == 1) video.format.height = 24;
@@ -213,7 +215,7 @@ TEST(V4l2Stream, EndsWhenTheCameraVanishesWhereverThatIs) {
   for (const bool before_poll : {true, false}) {
     FakeVideo video;
     video.addFrames(3);
-    V4l2Stream stream(video, kPath, greySettings());
+    V4l2Stream stream(video, kPath, streamSettings());
     EXPECT_EQ(stream.next(1000).kind, Kind::kFrame);
     if (before_poll)
       video.is_gone = true;
@@ -223,7 +225,7 @@ TEST(V4l2Stream, EndsWhenTheCameraVanishesWhereverThatIs) {
   }
   FakeVideo video;  // Nothing is given back yet: the very first frame.
   video.addFrames(1);
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   video.is_gone = true;
   expectEnds(stream, Kind::kGone, "has vanished");
 }
@@ -238,20 +240,20 @@ TEST(V4l2Stream, EndsByEveryFailureWithTheCallsName) {
                                       Case{VIDIOC_G_FMT, "VIDIOC_G_FMT: Input/output error"}}) {
     FakeVideo video;
     video.addFrames(3);
-    V4l2Stream stream(video, kPath, greySettings());
+    V4l2Stream stream(video, kPath, streamSettings());
     EXPECT_EQ(stream.next(1000).kind, Kind::kFrame);
     video.failIoctl(request, EIO);
     expectEnds(stream, Kind::kFailed, name);
   }
   FakeVideo video;
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   video.poll_error = ENOMEM;
   expectEnds(stream, Kind::kFailed, "poll: ");
 }
 
 TEST(V4l2Stream, EndsWhenPollTellsOfAnErrorThatDqbufDoesNotName) {
   FakeVideo video;
-  V4l2Stream stream(video, kPath, greySettings());
+  V4l2Stream stream(video, kPath, streamSettings());
   video.idle_poll = POLLERR;
   expectEnds(stream, Kind::kFailed, "without a name");
 }
@@ -259,7 +261,7 @@ TEST(V4l2Stream, EndsWhenPollTellsOfAnErrorThatDqbufDoesNotName) {
 TEST(V4l2Stream, BelievesNoBufferThatIsNotThere) {
   FakeVideo video;
   video.addFrames(1);
-  V4l2Stream stream(video, kPath, greySettings(), 4);
+  V4l2Stream stream(video, kPath, streamSettings(), 4);
   video.given_index = 4;
   expectEnds(stream, Kind::kFailed, "buffer 4 of 4");
 }
@@ -268,7 +270,7 @@ TEST(V4l2Stream, TakesTheNumberOfBuffersThatTheDriverGivesIfItIsEnough) {
   FakeVideo video;
   video.most_buffers = 3;
   video.addFrames(10);
-  V4l2Stream stream(video, kPath, greySettings(), 8);
+  V4l2Stream stream(video, kPath, streamSettings(), 8);
   EXPECT_EQ(video.mappedCount(), 3U);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(stream.next(1000).kind, Kind::kFrame);
 }
@@ -276,7 +278,7 @@ TEST(V4l2Stream, TakesTheNumberOfBuffersThatTheDriverGivesIfItIsEnough) {
 /// Reason why a stream cannot be made; the device itself checks whether anything was left open or mapped.
 std::string whyNot(FakeVideo& video, int buffers = 8) {
   try {
-    const V4l2Stream stream(video, kPath, greySettings(), buffers);
+    const V4l2Stream stream(video, kPath, streamSettings(), buffers);
   } catch (const std::system_error& error) {
     return error.what();
   } catch (const std::invalid_argument& error) {
