@@ -57,7 +57,7 @@ std::vector<HeadObservation> asIndependent(std::vector<HeadObservation> marks) {
   return marks;
 }
 
-HeadFit fitOf(const SimulatedHead& head, const std::vector<HeadObservation>& marks) {
+HeadFit fitOfShared(const SimulatedHead& head, const std::vector<HeadObservation>& marks) {
   HeadFitOptions options;
   options.field_W_mm = head.field_W_mm();
   options.round_steps = false;
@@ -90,8 +90,8 @@ TEST(SharedError, TheFitStatesWhatTheSheetsPlacesAreWorth) {
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
     const SimulatedHead head(HeadKind::kTwoMirror300, Beyond::kNothing, seed);
     const std::vector<HeadObservation> marks = twoSheets(head, seed);
-    shared.count(head, fitOf(head, marks));
-    if (seed <= 100) independent.count(head, fitOf(head, asIndependent(marks)));
+    shared.count(head, fitOfShared(head, marks));
+    if (seed <= 100) independent.count(head, fitOfShared(head, asIndependent(marks)));
   }
   EXPECT_GT(shared.share(), 0.94);
   EXPECT_LT(shared.share(), 0.97);
@@ -102,8 +102,8 @@ TEST(SharedError, TheFitStatesWhatTheSheetsPlacesAreWorth) {
 TEST(SharedError, IsNoScatterOfTheMarks) {
   const SimulatedHead head(HeadKind::kTwoMirror300, Beyond::kNothing, 11);
   const std::vector<HeadObservation> marks = twoSheets(head, 11);
-  EXPECT_NEAR(fitOf(head, marks).noiseRatio(), 1.0, 0.15);
-  EXPECT_LT(fitOf(head, asIndependent(marks)).noiseRatio(), 0.7);
+  EXPECT_NEAR(fitOfShared(head, marks).noiseRatio(), 1.0, 0.15);
+  EXPECT_LT(fitOfShared(head, asIndependent(marks)).noiseRatio(), 0.7);
 }
 
 TEST(SharedError, AFalseMarkIsSeenBesideTheOthersOfItsSheet) {
@@ -113,14 +113,14 @@ TEST(SharedError, AFalseMarkIsSeenBesideTheOthersOfItsSheet) {
   std::vector<HeadObservation> marks = sheetOf(head, 9, 0, 12);
   for (HeadObservation& o : sheetOf(head, 9, 1, 12, loose)) marks.push_back(o);
   marks[100].measured_W_mm.x() += 0.004;
-  const HeadFit fit = fitOf(head, marks);
+  const HeadFit fit = fitOfShared(head, marks);
   for (std::size_t i = 0; i < marks.size(); ++i) EXPECT_EQ(fit.marks()[i].used, i != 100) << i;
   EXPECT_GT(fit.marks()[100].residual_mm.x(), 0.003);
 }
 
 TEST(SharedError, ASheetThatLiesAsideIsNoDriftOfTheHead) {
   const SimulatedHead head(HeadKind::kTwoMirror300, Beyond::kNothing, 13);
-  const HeadFit fit = fitOf(head, twoSheets(head, 13));
+  const HeadFit fit = fitOfShared(head, twoSheets(head, 13));
   const Eigen::Vector3d coarse(0.005, 0.005, 1e-5);
   int alarms = 0, alarms_if_independent = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
