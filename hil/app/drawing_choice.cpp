@@ -13,7 +13,7 @@ DrawingRules drawingRules(const DrawingChoice& choice, const scenario::ImagePath
           "--scenario says how a drawing is read: leave out --unit, --scale, --turn, "
           "--shift and --layer");
     const scenario::Scenario of = scenario::readScenario(choice.scenario, images);
-    rules = {of.drawing, of.accepted};
+    rules = {of.drawing, of.accepted, of.witness_required};
   } else {
     rules.options = dieline::drawingOptionsFrom(choice.arguments);
   }

@@ -16,7 +16,8 @@ struct DrawingChoice {
   dieline::DrawingArguments arguments;
   std::filesystem::path scenario;     ///< Whose rules drawings are read by; empty: none.
   std::vector<std::string> accepted;  ///< Names of faults that are accepted where they touch no cut.
-  /// True if nothing was told.
+  bool witness{};                     ///< A second reader reads drawings as well, those of scenarios too.
+  /// True if nothing was told of how a drawing is read.
   [[nodiscard]] bool empty() const { return scenario.empty() && arguments.empty() && accepted.empty(); }
 };
 
@@ -24,6 +25,7 @@ struct DrawingChoice {
 struct DrawingRules {
   dieline::DrawingOptions options;
   std::set<dieline::LintFinding::Kind> accepted;
+  bool witness_required{};  ///< As the scenario has it.
 };
 
 /// The rules of the scenario, or those of the command line. @throws dieline::DielineError if both are given

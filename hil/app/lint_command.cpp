@@ -23,6 +23,7 @@
 #include "hil/run/controller_fit.h"
 #include "hil/scenario/camera_files.h"
 #include "hil/scenario/case.h"
+#include "hil/witness/witness.h"
 
 namespace kerfbench::app {
 namespace {
@@ -37,8 +38,22 @@ bool isScenario(const fs::path& path) {
   return file.has("dieline") || file.has("firmware");
 }
 
-// Returns the number of errors.
-int lintDrawing(const fs::path& path, const DrawingRules& rules, bool quiet) {
+// What a second reader says of a drawing. Returns the exit code.
+int lintWitness(const dieline::Dieline& dieline, const dieline::DrawingOptions& rules,
+                const judge::RunOptions& options) {
+  const witness::Testimony testimony =
+      witness::testimonyOf(dieline, rules, witness::witnessBeside(options.bin_dir));
+  const bool agrees = testimony.kind == witness::Testimony::Kind::kAgrees;
+  if (agrees && options.quiet) return 0;
+  for (const std::string& sentence : testimony.sentences)
+    say(fmt::format("{}: {}: {}", dieline.path, agrees ? "note" : "error", sentence));
+  return witness::exitCodeOf(testimony.kind);
+}
+
+// Returns the exit code: a drawing with errors is bad input.
+int lintDrawing(const fs::path& path, const DrawingRules& rules, bool with_witness,
+                const judge::RunOptions& options) {
+  const bool quiet = options.quiet;
   const dieline::Dieline dieline = dieline::readDieline(path, rules.options);
   constexpr std::size_t kMost = 20;  // The worst of each kind.
   const dieline::LintReport report = dieline::lintDieline(dieline, kMost);
@@ -64,7 +79,8 @@ int lintDrawing(const fs::path& path, const DrawingRules& rules, bool quiet) {
                       box.sizes().x(), box.sizes().y()));
     }
   }
-  return static_cast<int>(errors);
+  const int code = with_witness ? lintWitness(dieline, rules.options, options) : 0;
+  return base::worstExitCode(code, errors == 0 ? 0 : base::kExitInput);
 }
 
 // A machine can be described before its cameras are calibrated; a run of it would be INVALID.
@@ -78,14 +94,21 @@ void warnOfCameras(const fs::path& path, scenario::Case& test_case, const machin
     say(fmt::format("{}: warning: {}", path.string(), problem));
 }
 
+// Returns the exit code.
 int lintFile(const fs::path& path, const fs::path& image, const DrawingChoice& drawings,
              const judge::RunOptions& options) {
   const scenario::ImagePath images{options.bin_dir.parent_path() / "firmware", image};
-  if (dieline::fileFormatOf(path)) return lintDrawing(path, drawingRules(drawings, images), options.quiet);
+  if (dieline::fileFormatOf(path)) {
+    const DrawingRules rules = drawingRules(drawings, images);
+    return lintDrawing(path, rules, drawings.witness || rules.witness_required, options);
+  }
   if (!drawings.empty())
     throw dieline::DielineError(path.string() +
                                 ": options of a drawing are for drawings (.dxf, .svg, .cf2, .pdf)");
   const auto file_keys = base::YamlReader::openFile(path);
+  if (drawings.witness && !isScenario(path))
+    throw dieline::DielineError(path.string() +
+                                ": --witness is for drawings, and for scenarios that name one");
   if (file_keys.has("camera_id")) {
     (void)calibrate::readCalibrationFile(path);
     return 0;
@@ -110,8 +133,9 @@ int lintFile(const fs::path& path, const fs::path& image, const DrawingChoice& d
     scenario::refuseUnwired(test_case);
     run::refuseUnfitController(test_case, options.bin_dir);
     machine_file::refuseUnfit(file, scenario::webOf(test_case));
-    return lintDrawing(test_case.scenario.dieline, {test_case.scenario.drawing, test_case.scenario.accepted},
-                       options.quiet);
+    const scenario::Scenario& of = test_case.scenario;
+    return lintDrawing(of.dieline, {of.drawing, of.accepted, of.witness_required},
+                       drawings.witness || of.witness_required, options);
   }
   const machine_file::MachineFile file = machine_file::readMachineFile(path);
   test_case.scenario.machine = path;
@@ -124,24 +148,25 @@ int lintFile(const fs::path& path, const fs::path& image, const DrawingChoice& d
 
 int lintCommand(const std::vector<fs::path>& files, const fs::path& image, const DrawingChoice& drawings,
                 const judge::RunOptions& options) {
-  int errors = 0;
+  int code = 0;
+  const auto count = [&code](int one) { code = base::worstExitCode(code, one); };
   for (const fs::path& path : files) {
     try {
       const int found = lintFile(path, image, drawings, options);
       if (found == 0 && !options.quiet) say(fmt::format("{}: good", path.string()));
-      errors += found;
+      count(found);
     } catch (const base::ConfigError& e) {
       std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
-      ++errors;
+      count(base::kExitInput);
     } catch (const dieline::DielineError& e) {
       std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
-      ++errors;
+      count(base::kExitInput);
     } catch (const base::InputError& e) {
       std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
-      ++errors;
+      count(base::kExitInput);
     }
   }
-  return errors == 0 ? 0 : base::kExitInput;
+  return code;
 }
 
 }  // namespace kerfbench::app

@@ -11,8 +11,8 @@
 
 namespace kerfbench::app {
 
-/// Checks a scenario, a machine or a dieline. `image`: as for runCommand(). Returns 0, or base::kExitInput
-/// when something is wrong with a file.
+/// Checks a scenario, a machine or a dieline. `image`: as for runCommand(). Returns 0, base::kExitInput when
+/// something is wrong with a file, or base::kExitBroken where a second reader is wanted and there is none.
 int lintCommand(const std::vector<std::filesystem::path>& files, const std::filesystem::path& image,
                 const DrawingChoice& drawings, const judge::RunOptions& options);
 

@@ -185,6 +185,10 @@ void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   addReadingOptions(*lint, drawings->arguments);
   lint->add_option("--accept", drawings->accepted,
                    "Faults that are accepted where they touch no cut: duplicate, overlap, gap, zero-length");
+  lint->add_flag(
+      "--witness", drawings->witness,
+      "Have a second reader (ezdxf, svgelements, MuPDF) read the drawing too, and say where it parts:\n"
+      "length and box of each layer and process, to 1 um");
   lint->add_flag("--quiet,-q", options->quiet, "Only what is wrong");
   actions.add(lint, [=] { return lintCommand(*files, *image, *drawings, *options); });
 }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "hil/app/drawing_witness.h"
 #include "hil/base/digest.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/yaml_reader.h"
@@ -53,11 +54,14 @@ constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on
 int replayOne(const Replay& replay, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet);
-  const scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options);
+  scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options);
   const fs::path& recording = replay.recording;
   judge::refuseForeignResults(options.results_dir, test_case.scenario.name + "-replay");
   console.say(fmt::format("{}: {}, replayed from {}", test_case.scenario.name, test_case.scenario.title,
                           recording.string()));
+  if (const auto code =
+          refusedByWitness(test_case, test_case.scenario.name + "-replay", options, stopwatch, console))
+    return *code;
   const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
   source::PinRecording recorded;
   judge::Conclusion conclusion;
@@ -79,11 +83,12 @@ int replayOne(const Replay& replay, const judge::RunOptions& options) {
 int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet);
-  const scenario::Case test_case = caseWithOptions(path, image, options);
+  scenario::Case test_case = caseWithOptions(path, image, options);
   const scenario::Scenario& scenario = test_case.scenario;
   judge::refuseForeignResults(options.results_dir, scenario.name);
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
   live::refuseKerfPictures(test_case);
+  if (const auto code = refusedByWitness(test_case, scenario.name, options, stopwatch, console)) return *code;
   if (scenario.firmware.onRealPins())
     return live::runOnPins(test_case, live::realPins(options.bin_dir), options, stopwatch, console);
   live::refuseRealCamera(test_case);

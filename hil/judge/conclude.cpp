@@ -61,6 +61,7 @@ report::RunReport reportOf(const scenario::Case& test_case, const run::RecordedR
     report.versions.emplace_back("controller", conclusion.firmware_version);
   if (!conclusion.remarks.empty())
     report.versions.emplace_back("firmware's words", fmt::format("{}", fmt::join(conclusion.remarks, " ")));
+  if (!test_case.witness.empty()) report.versions.emplace_back("drawing", test_case.witness);
   for (const std::filesystem::path& input : test_case.inputs) {
     report.inputs.push_back(
         {input.lexically_relative(scenario.path.parent_path()).generic_string(), base::sha256File(input)});
@@ -159,6 +160,25 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
 
   tellReport(digests, folder.place(), console);
   if (options.timing) tellTiming(stopwatch, report.virtual_s, console);
+  return inspect::exitCode(report.result.verdict);
+}
+
+int concludeUnrun(const scenario::Case& test_case, const std::string& folder_name,
+                  const std::vector<std::string>& problems, const RunOptions& options,
+                  base::Stopwatch& stopwatch, base::Console& console) {
+  Conclusion conclusion;
+  conclusion.firmware = "not run";
+  report::RunReport report = reportOf(test_case, {}, conclusion, options);
+  report.result.verdict = inspect::Verdict::kInvalid;
+  report.result.problems = problems;
+  ResultsFolder folder(options.results_dir, folder_name);
+  base::writeFileAtomically(folder.staging() / "scenario.yaml", test_case.scenario.text);
+  tellVerdict(report, console);
+  report.timing = stopwatch.stages();
+  const report::Digests digests = report::digestsOf(report);
+  report::writeReports(report, digests, folder.staging(), options.jobs);
+  folder.commit();
+  tellReport(digests, folder.place(), console);
   return inspect::exitCode(report.result.verdict);
 }
 

@@ -46,4 +46,10 @@ struct Conclusion {
 int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const Conclusion& conclusion,
              const RunOptions& options, base::Stopwatch& stopwatch, base::Console& console);
 
+/// A case that is not run, since it cannot be judged: the verdict is INVALID for the problems given, with a
+/// results folder of its name that has a report and no pins. Returns the exit code of the verdict.
+int concludeUnrun(const scenario::Case& test_case, const std::string& folder_name,
+                  const std::vector<std::string>& problems, const RunOptions& options,
+                  base::Stopwatch& stopwatch, base::Console& console);
+
 }  // namespace kerfbench::judge

@@ -99,8 +99,9 @@ struct Scenario {
   std::string title;
   std::filesystem::path dieline;
   std::filesystem::path machine;
-  dieline::DrawingOptions drawing;                    ///< How the dieline is read.
-  std::set<dieline::LintFinding::Kind> accepted;      ///< Faults of it that do not keep it from the laser.
+  dieline::DrawingOptions drawing;                ///< How the dieline is read.
+  std::set<dieline::LintFinding::Kind> accepted;  ///< Faults of it that do not keep it from the laser.
+  bool witness_required{};  ///< A second reader must read the drawing as ours does (hil/witness).
   std::vector<std::pair<Signal, std::string>> wires;  ///< Names of wires in recordings of other programs.
   planner::Selection selection;                       ///< Part of the dieline that is cut, and judged.
   twin::BoardDescription board;
