@@ -48,14 +48,14 @@ Testimony broken(const std::string& sentence) { return {Testimony::Kind::kBroken
 
 Testimony agreement(const SecondReading& second, const Comparison& compared, FileFormat format) {
   const Tolerance tolerance = toleranceFor(format);
-  const std::string rounding = format == FileFormat::kPdf
-                                   ? ", its length 1 um and what single precision rounds off"
-                                   : ", its length 1 um and a billionth of it";
+  const char* const more = format == FileFormat::kPdf ? "what single precision rounds off" : "1e-9 of it";
   std::string sentence = fmt::format(
-      "the second reader ({}) agrees: {} layers, {:.3f} mm in all; lengths differ by {:.4f} um at most, "
-      "boxes by {:.4f} um; allowed for a box are {:g} um{}",
-      base::printable(second.reader), compared.layers, compared.length_mm, 1e3 * compared.worst_length_mm,
-      1e3 * compared.worst_box_mm, 1e3 * tolerance.box_mm, rounding);
+      "the second reader ({}) agrees on {} layer{}, {:.3f} mm in all: lengths to {:.4f} um (allowed: {:g} um "
+      "and {}), "
+      "boxes to {:.4f} um (allowed: {:g} um)",
+      base::printable(second.reader), compared.layers, compared.layers == 1 ? "" : "s", compared.length_mm,
+      1e3 * compared.worst_length_mm, 1e3 * tolerance.length_mm, more, 1e3 * compared.worst_box_mm,
+      1e3 * tolerance.box_mm);
   return {Testimony::Kind::kAgrees, {std::move(sentence)}};
 }
 

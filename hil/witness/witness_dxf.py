@@ -137,7 +137,7 @@ class DxfReader:
             if entity.is_poly_face_mesh or entity.is_polygon_mesh:
                 self.sheet.skip(key, "POLYLINE that is a mesh")
                 return
-            entity.vertices = [v for v in entity.vertices if not v.dxf.get("flags", 0) & CONTROL_POINT]
+            entity.vertices[:] = [v for v in entity.vertices if not v.dxf.get("flags", 0) & CONTROL_POINT]
             if len(entity.vertices) < 2:
                 return
         elif len(entity) < 2:

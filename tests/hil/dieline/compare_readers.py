@@ -3,24 +3,47 @@
 per process and box to 1 um. Usage: compare_readers.py MEASURE COUNT WRITER…; exit code 77 where a program that a
 writer needs is absent."""
 import json
+import math
 import pathlib
 import subprocess
 import sys
 import tempfile
+from urllib.parse import unquote
 
 import writers
 
+# The product's second reader, as `kerfbench lint --witness` asks it.
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "hil/witness"))
+import second_reader  # noqa: E402
+
 LIMIT_MM = 1e-3
 SKIPPED = 77
+MM_OF_UNIT = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72, "px": 25.4 / 96}
+PROCESS_OF_LAYER = {"0": "cut", "CUT": "cut", "CREASE": "crease", "PERF": "perforation"}
+PROCESS_OF_STROKE = {"#ff0000": "cut", "#000000": "cut", "#0000ff": "crease", "#00ffff": "perforation"}
 
 
-def second(path, mm_per_unit):
+def second(path, unit, mm_per_unit):
+    """Length per process and box; the second reader must find the unit that the writer meant."""
     try:
-        import second_reader
-        read = second_reader.read_dxf if path.suffix == ".dxf" else second_reader.read_svg
-        return read(path, mm_per_unit)
-    except ImportError as error:
-        raise writers.Absent(f"Python's {error.name}") from error
+        read = second_reader.read(path, path.suffix[1:], MM_OF_UNIT.get(unit))
+    except second_reader.Missing as missing:
+        raise writers.Absent(missing) from missing
+    if abs(read["mm_per_unit"] / mm_per_unit - 1) > 1e-12:
+        raise ValueError(f"the second reader takes a unit for {read['mm_per_unit']} mm, not {mm_per_unit}")
+    if read["unread"]:
+        raise ValueError(f"the second reader does not follow {read['unread']}")
+    lengths_mm = {}
+    box = [math.inf, math.inf, -math.inf, -math.inf]
+    for group in read["groups"]:
+        colour = unquote(group["colours"][0])
+        if path.suffix == ".svg" and colour == "none":
+            continue
+        process = PROCESS_OF_STROKE[colour] if path.suffix == ".svg" else PROCESS_OF_LAYER[group["names"][0]]
+        lengths_mm[process] = lengths_mm.get(process, 0.0) + group["length_mm"]
+        low_x, low_y, high_x, high_y = group["box_mm"]
+        box = [min(box[0], low_x), min(box[1], low_y), max(box[2], high_x), max(box[3], high_y)]
+    return {"lengths_mm": lengths_mm, "box_mm": box}
 
 
 def first(measure, path, unit):
@@ -48,7 +71,7 @@ def compare(measure, folder, writer, count):
     for n in range(count):
         path, unit, mm_per_unit = writers.WRITERS[writer](folder, n)
         try:
-            found = differences(first(measure, path, unit), second(path, mm_per_unit))
+            found = differences(first(measure, path, unit), second(path, unit, mm_per_unit))
         except ValueError as error:
             print(f"{path.name}: {error}")
             bad += 1

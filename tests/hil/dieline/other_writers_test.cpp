@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/dieline/read.h"
+#include "hil/witness/witness.h"
 #include "tests/hil/dieline/files.h"
 
 namespace kerfbench::dieline {
@@ -88,34 +89,14 @@ void expectSame(const std::map<std::string, Sum>& ours, const std::map<std::stri
   }
 }
 
-/// MuPDF's reading of a page, with the lengths of the script, held against ours colour by colour.
+/// The product's second reader (MuPDF) held against ours, colour by colour.
 void expectWitnessed(const fs::path& pdf) {
-  if (!isInstalled("mutool")) GTEST_SKIP() << "mutool (package mupdf-tools) is not installed";
-  const fs::path rows = pdf.string() + ".txt";
-  const std::string command = fmt::format(
-      "mutool draw -q -F trace '{0}' 1 2>/dev/null | /usr/bin/python3 '{1}/tests/hil/dieline/pdf_witness.py' "
-      ">'{2}'",
-      pdf.string(), KERFBENCH_SOURCE_DIR, rows.string());
-  ASSERT_EQ(std::system(command.c_str()), 0) << command;
-  const LayerProfile all{"all", {{"*", Process::kCut}}};
-  const auto sums = sumsBy(readDieline(pdf, all), [](const Entity& e) { return e.layer; });
-  std::vector<Sum> ours;
-  for (const auto& [layer, sum] : sums) ours.push_back(sum);
-  std::sort(ours.begin(), ours.end(), [](const Sum& a, const Sum& b) { return a.length_mm < b.length_mm; });
-  std::ifstream lines(rows);
-  std::size_t count = 0;
-  for (std::string line; std::getline(lines, line); ++count) {
-    std::istringstream row(line);
-    double length_mm = 0;
-    Eigen::Vector4d box_mm;
-    row >> length_mm >> box_mm(0) >> box_mm(1) >> box_mm(2) >> box_mm(3);
-    ASSERT_LT(count, ours.size());
-    EXPECT_NEAR(ours[count].length_mm, length_mm, kMicrometre_mm) << pdf;
-    EXPECT_NEAR((ours[count].box_mm.min() - box_mm.head<2>()).norm(), 0, kMicrometre_mm) << pdf;
-    EXPECT_NEAR((ours[count].box_mm.max() - box_mm.tail<2>()).norm(), 0, kMicrometre_mm) << pdf;
-  }
-  EXPECT_EQ(count, ours.size());
-  EXPECT_GT(count, 0U);
+  DrawingOptions all;
+  all.layers = {"all", {{"*", Process::kCut}}};
+  const witness::Testimony testimony = witness::testimonyOf(
+      readDieline(pdf, all), all, witness::witnessBeside(fs::path(KERFBENCH_BINARY_DIR) / "bin"));
+  if (testimony.kind == witness::Testimony::Kind::kMissing) GTEST_SKIP() << testimony.sentences.front();
+  EXPECT_EQ(testimony.kind, witness::Testimony::Kind::kAgrees) << pdf << ": " << testimony.sentences.front();
 }
 
 constexpr const char* kCarton = "tuck-end-carton-window.dxf";
