@@ -134,7 +134,8 @@ TEST_F(Witness, AgreesOnCurves) {
                            "0|SPLINE|100|AcDbEntity|8|CREASE|100|AcDbSpline|70|4|71|2|72|6|73|3|40|0|40|0|40|"
                            "0|40|1|40|1|40|1|41|1|41|0."
                            "70710678|41|1|10|0|20|0|30|0|"
-                           "10|10|20|0|30|0|10|10|20|10|30|0"));
+                           "10|10|20|0|30|0|10|10|20|10|30|0",
+                           "9|$ACADVER|1|AC1015|9|$INSUNITS|70|4"));
   expectAgrees(
       ".svg",
       svg("<path fill='none' stroke='blue' d='M5 5q5 8 10 0t10 0a6 3 20 1 0 5 5l1-1h3v4c1 2 3 4 9-2s4 5 6 9z"
