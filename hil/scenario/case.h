@@ -24,7 +24,7 @@ struct Case {
   /// All files on which the run depends: those of the scenario and of the machine, each once.
   std::vector<std::filesystem::path> inputs;
   std::shared_ptr<const dieline::Dieline> dieline{dieline::emptyDieline()};  ///< Never null.
-  /// That a second reader agrees on the drawing, with figures, for the report; empty: none was asked.
+  /// Words for the report: a second reader agrees on the drawing, with figures. Empty: none was asked.
   std::string witness{};
 };
 

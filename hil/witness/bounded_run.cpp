@@ -81,7 +81,7 @@ class ChildGroup {
 
   [[nodiscard]] int error() const { return error_; }
 
-  /// Its children get the same limits. What it did before they are set counts as well.
+  /// Sets the limits, for its children as well. What it did before they are set counts.
   void limit(const RunLimits& limits) const {
     const auto set = [&](auto what, rlim_t soft, rlim_t hard) {
       const rlimit limit{soft, hard};
@@ -93,7 +93,7 @@ class ChildGroup {
     set(RLIMIT_CORE, 0, 0);
   }
 
-  /// Its status, if it ended before.
+  /// Waits for the child and returns its status, or nothing at the deadline.
   std::optional<int> waitUntil(Clock::time_point deadline) {
     int status = 0;
     for (;;) {

@@ -171,7 +171,7 @@ double extentOfAll(const Sums& sums) {
   return extent_mm;
 }
 
-/// Those that the other reading does not know by name.
+/// Layers that the other reading does not know by name.
 Sums onlyIn(const Sums& sums, const Sums& other) {
   Sums only;
   for (const auto& [key, sum] : sums) {

@@ -17,7 +17,7 @@ namespace kerfbench::witness {
 struct Tolerance {
   double box_mm{1e-3};
   double length_mm{1e-3};
-  double length_share{1e-9};  ///< Of the length: quadrature, and sums of very many lines.
+  double length_share{1e-9};  ///< Share of the length: quadrature, and sums of very many lines.
   /// For each line, of the drawing's extent: the rounding of its ends. Such errors are independent, so that
   /// those of n lines add up to that of sqrt(n).
   double line_share{};

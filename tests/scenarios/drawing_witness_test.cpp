@@ -56,7 +56,7 @@ class WitnessDemanded : public testing::Test {
   [[nodiscard]] std::string into() const {
     return fmt::format("--results-dir '{}'", scratch_.path().string());
   }
-  /// Its selector is none that the second reader follows.
+  /// A drawing with a selector that the second reader does not follow.
   [[nodiscard]] fs::path unfollowed() const {
     const fs::path path = scratch_.path() / "unfollowed.svg";
     std::ofstream(path)
