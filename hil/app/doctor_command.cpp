@@ -5,12 +5,26 @@
 #include <cstdio>
 
 #include "hil/cli/run_guarded.h"
+#include "hil/dieline/geometry.h"
 #include "hil/doctor/child_check.h"
 #include "hil/doctor/doctor.h"
 #include "hil/doctor/loopback.h"
+#include "hil/witness/witness.h"
 
 namespace kerfbench::app {
 namespace {
+
+/// What a scenario that demands a second reader of its drawing has of it.
+void addWitness(const scenario::Case& test_case, const std::filesystem::path& bin_dir,
+                std::vector<doctor::DoctorFinding>& findings) {
+  using Grade = doctor::DoctorFinding::Grade;
+  if (!test_case.scenario.witness_required) return;
+  const witness::Testimony testimony =
+      witness::testimonyOf(*test_case.dieline, test_case.scenario.drawing, witness::witnessBeside(bin_dir));
+  const bool agrees = testimony.kind == witness::Testimony::Kind::kAgrees;
+  for (const std::string& sentence : testimony.sentences)
+    findings.push_back({agrees ? Grade::kGood : Grade::kMissing, "drawing: " + sentence});
+}
 
 int examine(const DoctorOptions& options) {
   std::vector<doctor::DoctorFinding> findings;
@@ -24,6 +38,7 @@ int examine(const DoctorOptions& options) {
     name = test_case.scenario.name;
     const std::vector<doctor::DoctorFinding> needs = doctor::needsOf(test_case, state, options.bin_dir);
     findings.insert(findings.end(), needs.begin(), needs.end());
+    addWitness(test_case, options.bin_dir, findings);
   }
   std::fputs((options.json ? doctor::doctorJson(state, findings, name) : doctor::doctorText(state, findings))
                  .c_str(),

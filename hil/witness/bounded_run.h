@@ -9,8 +9,8 @@ namespace kerfbench::witness {
 
 /// What a child may take. All are generous for a drawing that people made, and none is a measure of speed.
 struct RunLimits {
-  int cpu_s{120};                         ///< Seconds of processor, by the kernel (RLIMIT_CPU).
-  double deadline_s{900.0};               ///< Seconds of the clock, for a child that waits for ever.
+  int cpu_s{300};                         ///< Seconds of processor, by the kernel (RLIMIT_CPU).
+  double deadline_s{1800.0};              ///< Seconds of the clock, for a child that waits for ever.
   std::size_t memory_bytes{2ULL << 30U};  ///< Address space, by the kernel (RLIMIT_AS).
   std::size_t output_bytes{16U << 20U};   ///< What it may print.
 };

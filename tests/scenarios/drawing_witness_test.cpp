@@ -100,6 +100,9 @@ TEST_F(WitnessDemanded, WhereThereIsNoneItIsSaid) {
   EXPECT_THAT(result.output,
               HasSubstr("dieline.witness is required, and the second reader needs the package"));
   EXPECT_FALSE(fs::exists(scratch_.path() / "demanding"));
+  result = without.run(fmt::format("doctor '{}'", demanding(label()).string()));
+  EXPECT_EQ(result.exit_code, 1) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("apt-get install python3-ezdxf"));
   // Options of drawings are for drawings.
   result = kerfbench(fmt::format("lint --witness '{}'", fixture("machines/two-mirror.yaml").string()));
   EXPECT_EQ(result.exit_code, 65);
