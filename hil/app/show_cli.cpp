@@ -29,6 +29,7 @@ std::string readSize(const std::string& text, ShowOptions& options) {
 void addReadingOptions(CLI::App& command, dieline::DrawingArguments& arguments) {
   command.add_option("--unit", arguments.unit,
                      "What a unit of the drawing is: mm, cm, in, pt or px (1/96 in)");
+  command.add_option("--page", arguments.page, "Page of a PDF that has several")->check(CLI::Range(1, 9999));
   command.add_option("--scale", arguments.scale, "Enlarge the drawing so many times")->capture_default_str();
   command.add_option("--turn", arguments.turn_deg, "Turn it about the origin, degrees counter-clockwise")
       ->capture_default_str();

@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 
 #include "hil/dieline/cf2_records.h"
-#include "hil/dieline/ignored_layers.h"
 #include "hil/dieline/readers.h"
 #include "hil/dieline/text.h"
 
@@ -94,7 +93,6 @@ class Cf2Drawing {
   }
 
   void note() {
-    noteIgnoredLayers(dieline_);
     if (file_.texts > 0) dieline_.notes.push_back(fmt::format("Ignored: {} texts.", file_.texts));
     if (bridges_ > 0) {
       dieline_.notes.push_back(fmt::format(

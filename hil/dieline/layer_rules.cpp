@@ -64,7 +64,7 @@ std::string addLayerRule(LayerProfile& profile, const std::vector<std::string>& 
 }
 
 bool DrawingArguments::empty() const {
-  return unit.empty() && scale == 1.0 && turn_deg == 0.0 && shift_mm.empty() && layers.empty();
+  return unit.empty() && page == 0 && scale == 1.0 && turn_deg == 0.0 && shift_mm.empty() && layers.empty();
 }
 
 DrawingOptions drawingOptionsFrom(const DrawingArguments& arguments) {
@@ -74,6 +74,8 @@ DrawingOptions drawingOptionsFrom(const DrawingArguments& arguments) {
     if (!options.unit)
       throw DielineError(fmt::format("--unit {} is none of mm, cm, in, pt, px", inQuotes(arguments.unit)));
   }
+  if (arguments.page < 0) throw DielineError("--page must be > 0");
+  if (arguments.page > 0) options.page = arguments.page;
   if (!(arguments.scale > 0)) throw DielineError("--scale must be > 0");
   options.scale = arguments.scale;
   options.turn_deg = arguments.turn_deg;

@@ -86,12 +86,13 @@ PdfColourSpace spaceOf(QPDFObjectHandle object) {
 
 class PdfLoader {
  public:
-  PdfLoader(QPDF& pdf, PdfBudget& budget, FaultList& faults) : pdf_(pdf), budget_(budget), faults_(faults) {
+  PdfLoader(QPDF& pdf, std::optional<int> page, PdfBudget& budget, FaultList& faults)
+      : pdf_(pdf), page_(page), budget_(budget), faults_(faults) {
     document_.contents.resize(1);  // The page's.
   }
 
   PdfDocument load() {
-    QPDFObjectHandle page = onlyPage();
+    QPDFObjectHandle page = wantedPage();
     loadGroups(entry(pdf_.getRoot(), "/OCProperties"));
     placePage(page);
     auto annotations = entry(page, "/Annots");
@@ -114,11 +115,12 @@ class PdfLoader {
   }
 
  private:
-  QPDFObjectHandle onlyPage() {
+  /// As many pages as are looked for, in order, and one more.
+  std::vector<QPDFObjectHandle> pagesUpTo(std::size_t wanted) {
     std::vector<QPDFObjectHandle> open{entry(pdf_.getRoot(), "/Pages")};
     std::set<QPDFObjGen> seen;
     std::vector<QPDFObjectHandle> pages;
-    while (!open.empty() && pages.size() < 2) {
+    while (!open.empty() && pages.size() <= wanted) {
       QPDFObjectHandle node = open.back();
       open.pop_back();
       if (!node.isDictionary() || (node.isIndirect() && !seen.insert(node.getObjGen()).second)) continue;
@@ -130,6 +132,12 @@ class PdfLoader {
         pages.push_back(node);
       }
     }
+    return pages;
+  }
+
+  QPDFObjectHandle wantedPage() {
+    const auto wanted = static_cast<std::size_t>(page_.value_or(1));
+    const std::vector<QPDFObjectHandle> pages = pagesUpTo(wanted);
     if (pages.empty()) {
       const auto warnings = pdf_.getWarnings();
       faults_.fatal(0, warnings.empty()
@@ -137,14 +145,17 @@ class PdfLoader {
                            : fmt::format("has no page that can be read ({})",
                                          base::printable(warnings.front().getMessageDetail(), 100)));
     }
-    if (pages.size() > 1) {
+    if (!page_ && pages.size() > 1) {
       auto count = entry(entry(pdf_.getRoot(), "/Pages"), "/Count");
-      faults_.fatal(0,
-                    fmt::format("has {} pages, and a drawing is one; take it out with \"qpdf IN.pdf --pages "
-                                ". 1 -- OUT.pdf\"",
-                                count.isInteger() ? std::to_string(count.getIntValue()) : "several"));
+      faults_.fatal(
+          0,
+          fmt::format("has {} pages, and a drawing is one; say which with dieline: {{page: N}} or --page N",
+                      count.isInteger() ? std::to_string(count.getIntValue()) : "several"));
     }
-    return pages.front();
+    if (pages.size() < wanted)
+      faults_.fatal(0, fmt::format("has {} page{}, and no page {}", pages.size(),
+                                   pages.size() == 1 ? "" : "s", wanted));
+    return pages[wanted - 1];
   }
 
   static QPDFObjectHandle inherited(QPDFObjectHandle page, const std::string& key) {
@@ -346,6 +357,7 @@ class PdfLoader {
   }
 
   QPDF& pdf_;
+  std::optional<int> page_;
   PdfBudget& budget_;
   FaultList& faults_;
   PdfDocument document_;
@@ -358,7 +370,7 @@ class PdfLoader {
 
 }  // namespace
 
-PdfDocument readPdfDocument(const std::string& bytes, FaultList& faults) {
+PdfDocument readPdfDocument(const std::string& bytes, std::optional<int> page, FaultList& faults) {
   if (bytes.size() > kLargestPdf)
     faults.fatal(0,
                  fmt::format("{} bytes are more than the limit of {} for a PDF", bytes.size(), kLargestPdf));
@@ -369,7 +381,7 @@ PdfDocument readPdfDocument(const std::string& bytes, FaultList& faults) {
   try {
     openBounded(pdf, bytes, budget);
     if (pdf.isEncrypted()) own.fatal(0, kEncrypted);
-    PdfDocument document = PdfLoader(pdf, budget, own).load();
+    PdfDocument document = PdfLoader(pdf, page, budget, own).load();
     for (const QPDFExc& warning : pdf.getWarnings()) document.warnings.push_back(warning.getMessageDetail());
     if (budget.exceeded().empty()) return document;
   } catch (const QPDFExc& error) {

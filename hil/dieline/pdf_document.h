@@ -77,9 +77,10 @@ struct PdfDocument {
   std::vector<std::string> warnings;  ///< What the library says of the file.
 };
 
-/// Reads a file with one page. The origin of S is the lower left corner of the page as it is shown: its
-/// CropBox, turned by Rotate.
-/// @throws DielineError for a file that is encrypted, broken, too large or has more than one page.
-PdfDocument readPdfDocument(const std::string& bytes, FaultList& faults);
+/// Reads a page, which must be named (from 1) where the file has several. The origin of S is the lower left
+/// corner of the page as it is shown: its CropBox, turned by Rotate.
+/// @throws DielineError for a file that is encrypted, broken or too large, that has not the page, or several
+/// without one being named.
+PdfDocument readPdfDocument(const std::string& bytes, std::optional<int> page, FaultList& faults);
 
 }  // namespace kerfbench::dieline

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "hil/dieline/ignored_layers.h"
 #include "hil/dieline/pdf_content.h"
 #include "hil/dieline/pdf_layers.h"
 #include "hil/dieline/readers.h"
@@ -101,7 +100,6 @@ class PdfDrawing : public PdfSink {
     for (const auto& [name, count] : hidden_)
       dieline_.notes.push_back(
           fmt::format("Ignored: {} paths of the hidden layer {}.", count, inQuotes(name)));
-    noteIgnoredLayers(dieline_);
     if (dieline_.entities.empty())
       dieline_.notes.push_back("No line of the page is stroked; a filled shape has no line to follow.");
     if (!document_.warnings.empty()) {
@@ -130,7 +128,7 @@ class PdfDrawing : public PdfSink {
 
 Dieline readPdf(const std::string& bytes, const DrawingOptions& options, FaultList& faults) {
   if (options.unit) faults.fatal(0, "a PDF file says its unit itself: leave 'unit' out, or use 'scale'");
-  const PdfDocument document = readPdfDocument(bytes, faults);
+  const PdfDocument document = readPdfDocument(bytes, options.page, faults);
   return PdfDrawing(document, options.layers, faults).read();
 }
 

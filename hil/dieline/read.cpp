@@ -11,6 +11,7 @@
 #include "hil/dieline/curve_math.h"
 #include "hil/dieline/file_format.h"
 #include "hil/dieline/geometry.h"
+#include "hil/dieline/ignored_layers.h"
 #include "hil/dieline/readers.h"
 #include "hil/dieline/text.h"
 
@@ -90,6 +91,8 @@ Dieline readDieline(const std::filesystem::path& path, const DrawingOptions& opt
   FaultList faults(path.string());
   const std::string extension = lowered(path.extension().string());
   Dieline dieline;
+  if (options.page && fileFormatOf(path) != FileFormat::kPdf)
+    faults.fatal(0, "only a PDF has pages: leave 'page' out");
   if (extension == ".dxf") {
     dieline = readDxf(contentsOf(path, faults), options, faults);
   } else if (extension == ".svg") {
@@ -100,6 +103,7 @@ Dieline readDieline(const std::filesystem::path& path, const DrawingOptions& opt
     faults.fatal(
         0, fmt::format("extension {} is not supported; .dxf, .svg, .pdf and .cf2 are", inQuotes(extension)));
   }
+  noteIgnoredLayers(dieline);
   place(dieline, options);
   checkRange(dieline, faults);
   faults.throwIfAny();

@@ -61,6 +61,7 @@ std::optional<DrawingUnit> drawingUnitFromName(std::string_view name);
 struct DrawingOptions {
   LayerProfile layers{defaultLayerProfile()};
   std::optional<DrawingUnit> unit{};  ///< Unit of the coordinates in the file; nothing: as the file says.
+  std::optional<int> page{};          ///< Page of a PDF, from 1; nothing: the only one.
   /// The drawing is scaled and turned about the sheet's origin, then shifted. Range of the scale: > 0.
   double scale{1.0};
   double turn_deg{};  ///< Counter-clockwise.
@@ -75,6 +76,7 @@ std::string addLayerRule(LayerProfile& profile, const std::vector<std::string>& 
 /// Options of a drawing as typed on a command line; empty: not told.
 struct DrawingArguments {
   std::string unit;
+  int page{};  ///< 0: not told.
   double scale{1.0};
   double turn_deg{};
   std::vector<double> shift_mm;  ///< Two numbers, or none.

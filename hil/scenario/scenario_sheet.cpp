@@ -134,6 +134,8 @@ void readDrawing(base::YamlReader& file, Scenario& s) {
     const std::string unit = drawing.choice("unit", {"mm", "cm", "in", "pt", "px"});
     s.drawing.unit = dieline::drawingUnitFromName(unit);
   }
+  if (drawing.has("page"))
+    s.drawing.page = static_cast<int>(drawing.integer("page", {.min = 1, .max = 9999}));
   s.drawing.scale = drawing.number("scale", {.min = 1e-6, .max = 1e6, .fallback = 1.0});
   s.drawing.turn_deg = drawing.number("turn", {.min = -360, .max = 360, .fallback = 0.0});
   const auto shift = drawing.numbers("shift", 2, {.min = -1e5, .max = 1e5, .fallback = 0.0});

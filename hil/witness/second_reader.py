@@ -3,7 +3,8 @@
 """A second reader of drawings. It prints one object of JSON: lengths and boxes of what a drawing shows, by layer,
 colour and linetype, read by other people's libraries and with rules of its own. Processes are not its business.
 
-    second_reader.py --format dxf|svg|pdf FILE [--unit-mm MM] [--scale S] [--turn DEGREES] [--shift-x X] [--shift-y Y]
+    second_reader.py --format dxf|svg|pdf [--unit-mm MM] [--page N] [--scale S] [--turn DEGREES] [--shift-x X]
+                     [--shift-y Y] FILE
 
 Names are percent-encoded bytes, since a drawing's need not be UTF-8. What it lacks is told as {"missing": PACKAGE},
 what it cannot read as {"refused": WORDS}."""
@@ -35,7 +36,7 @@ def identity(key):
             "plotted": plotted}
 
 
-def read(path, form, told_mm=None, **placed):
+def read(path, form, told_mm=None, page=1, **placed):
     """What the drawing shows, as it is printed. `told_mm`: millimetres of a unit, whatever the file says."""
     module, function, library, package = READERS[form]
     try:
@@ -45,7 +46,7 @@ def read(path, form, told_mm=None, **placed):
     except ImportError as error:
         raise Missing(package) from error
     sheet = Sheet(**placed)
-    name, mm_per_unit = getattr(reader, function)(str(path), sheet, told_mm)
+    name, mm_per_unit = getattr(reader, function)(str(path), sheet, told_mm, page)
     groups = [dict(identity(key), count=len(lengths), length_mm=math.fsum(lengths), box_mm=sheet.boxes[key])
               for key, lengths in sheet.lengths.items()]
     unread = [dict(identity(key), what=quote(what), count=count) for (key, what), count in sheet.unread.items()]
@@ -58,13 +59,15 @@ def main():
     parser.add_argument("file")
     parser.add_argument("--format", choices=READERS, required=True)
     parser.add_argument("--unit-mm", type=float)
+    parser.add_argument("--page", type=int, default=1)
     parser.add_argument("--scale", type=float, default=1.0)
     parser.add_argument("--turn", type=float, default=0.0)
     parser.add_argument("--shift-x", type=float, default=0.0)
     parser.add_argument("--shift-y", type=float, default=0.0)
     told = parser.parse_args()
     try:
-        result = read(told.file, told.format, told.unit_mm, scale=told.scale, turn_deg=told.turn, shift_mm=(told.shift_x, told.shift_y))
+        result = read(told.file, told.format, told.unit_mm, told.page, scale=told.scale,
+                      turn_deg=told.turn, shift_mm=(told.shift_x, told.shift_y))
     except Missing as missing:
         result = {"missing": str(missing)}
     except MemoryError:

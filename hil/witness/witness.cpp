@@ -35,6 +35,7 @@ std::vector<std::string> commandFor(const dieline::Dieline& dieline, const dieli
   std::vector<std::string> command{program.python.string(), "-I", "-B", program.script.string()};
   command.push_back("--format=" + formatName(dieline.path));
   if (options.unit) command.push_back("--unit-mm=" + exact(dieline::millimetresOf(*options.unit)));
+  if (options.page) command.push_back(fmt::format("--page={}", *options.page));
   command.push_back("--scale=" + exact(options.scale));
   command.push_back("--turn=" + exact(options.turn_deg));
   command.push_back("--shift-x=" + exact(options.shift_mm.x()));

@@ -199,7 +199,7 @@ def turn(start, end):
     return sweep if sweep > 1e-12 else sweep + 2 * math.pi
 
 
-def read_dxf(path, sheet, told_mm):
+def read_dxf(path, sheet, told_mm, _page):
     """Returns the millimetres of a unit: those that are told, or by the file."""
     scale = told_mm or mm_per_unit(path)
     DxfReader(path, sheet, scale).read()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""PDF by MuPDF's trace of the strokes of the first page (package mupdf-tools). Its numbers are of single precision. It
+"""PDF by MuPDF's trace of the strokes of a page (package mupdf-tools). Its numbers are of single precision. It
 knows the names of layers and inks, and no processing steps."""
 import os
 import re
@@ -82,8 +82,8 @@ class PdfReader:
                 raise ValueError(f"step {step.tag} of a path is not known")
 
 
-def read_pdf(path, sheet, _told_mm):
-    done = subprocess.run([MUTOOL, "draw", "-q", "-F", "trace", path, "1"], stdin=subprocess.DEVNULL,
+def read_pdf(path, sheet, _told_mm, number):
+    done = subprocess.run([MUTOOL, "draw", "-q", "-F", "trace", path, str(number)], stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
     if done.returncode != 0:
         raise ValueError(f"mutool ended with {done.returncode}: {done.stderr.decode('ascii', 'replace')[-200:]}")

@@ -3,7 +3,6 @@
 import re
 
 SIMPLE = re.compile(r"(\*|[\w-]+)?((?:[.#][\w-]+)*)")
-LAST = {"style"}
 
 
 def declarations(text):
@@ -37,7 +36,7 @@ class StyleSheet:
 
     def of(self, element, kind):
         """Properties of an element: attributes, then rules by weight, then its own style; !important above all."""
-        result = {n: v.strip() for n, v in element.attrib.items() if not n.startswith("{") and n not in LAST}
+        result = {n: v.strip() for n, v in element.attrib.items() if not n.startswith("{") and n != "style"}
         own = {element.get("id")}
         classes = set((element.get("class") or "").split())
         fitting = sorted((r for r in self.rules if r[1] in (None, kind) and r[2] <= own and r[3] <= classes),

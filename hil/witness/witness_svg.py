@@ -139,9 +139,9 @@ class SvgReader:
         state.style = dict(outer.style)
         for name in state.style:
             value = own.get(name, "inherit")
-            if value.lower() not in ("inherit", "unset"):
-                state.style[name] = {"color": outer.style["color"]}.get(name, value) \
-                    if value.lower() == "currentcolor" and name == "color" else value
+            keeps = ("inherit", "unset", "currentcolor") if name == "color" else ("inherit", "unset")
+            if value.lower() not in keeps:
+                state.style[name] = value
         state.faded = outer.faded or is_zero(own.get("opacity", "1"))
         if own.get("transform", "none") != "none":
             state.matrix = svgelements.Matrix(own["transform"]) * outer.matrix
@@ -188,7 +188,7 @@ class SvgReader:
         """An svg or symbol with a viewport of its own; what overflows it is not followed."""
         if self.name(element) == "svg":
             self.moved(element, state)
-        width, height = ((self.length(sized, n, s) if sized.get(n) else self.length(element, n, s)) if True else s
+        width, height = (self.length(sized if sized.get(n) else element, n, s)
                          for n, s in zip(("width", "height"), state.size))
         width = state.size[0] if width is None else width
         height = state.size[1] if height is None else height
@@ -257,11 +257,11 @@ class SvgReader:
     def path(self, element, name, state):
         """The element as a path of the library's, in user units."""
         width, height = state.size
-        whole = {"x": width, "y": height, "rx": width, "ry": height, "width": width, "height": height, "cx": width,
-                 "cy": height, "x1": width, "x2": width, "y1": height, "y2": height, "r": math.hypot(*state.size) / math.sqrt(2)}
+        whole = dict.fromkeys(("x", "rx", "width", "cx", "x1", "x2"), width)
+        whole["r"] = math.hypot(width, height) / math.sqrt(2)
 
         def number(attribute):
-            return self.length(element, attribute, whole[attribute])
+            return self.length(element, attribute, whole.get(attribute, height))
 
         if name == "path":
             return svgelements.Path(element.get("d") or "")
@@ -270,7 +270,8 @@ class SvgReader:
             size = {"x": number("x") or 0.0, "y": number("y") or 0.0, "width": number("width") or 0.0,
                     "height": number("height") or 0.0}
             rx, ry = (ry if rx is None else rx) or 0.0, (rx if ry is None else ry) or 0.0
-            return svgelements.Path(svgelements.Rect(**size, rx=min(rx, size["width"] / 2), ry=min(ry, size["height"] / 2)))
+            return svgelements.Path(svgelements.Rect(**size, rx=min(rx, size["width"] / 2),
+                                                     ry=min(ry, size["height"] / 2)))
         if name == "circle":
             r = number("r") or 0.0
             return svgelements.Path(svgelements.Ellipse(cx=number("cx") or 0.0, cy=number("cy") or 0.0, rx=r, ry=r))
@@ -292,6 +293,6 @@ def is_zero(text):
     return bool(found) and float(found[1]) == 0
 
 
-def read_svg(path, sheet, told_mm):
+def read_svg(path, sheet, told_mm, _page):
     """Returns the millimetres of a unit that is told, else those of a px."""
     return READER, SvgReader(path, sheet, told_mm).read()

@@ -7,6 +7,9 @@ void addDrawingOptions(CLI::App& app, dieline::DrawingArguments& arguments) {
   const std::string group = "How a drawing is read";
   app.add_option("--unit", arguments.unit, "What a unit of the drawing is: mm, cm, in, pt or px (1/96 in)")
       ->group(group);
+  app.add_option("--page", arguments.page, "Page of a PDF that has several")
+      ->check(CLI::Range(1, 9999))
+      ->group(group);
   app.add_option("--scale", arguments.scale, "Enlarge the drawing so many times")
       ->capture_default_str()
       ->group(group);

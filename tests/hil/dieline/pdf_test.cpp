@@ -320,10 +320,60 @@ TEST(Pdf, OnlyOnePageIsADrawing) {
   const std::string leaf = "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 9 9] >>";
   EXPECT_THAT(
       faultsOf(".pdf", pdfOf({"<< /Pages 2 0 R >>", "<< /Kids [3 0 R 4 0 R] /Count 2 >>", leaf, leaf})),
-      HasSubstr(
-          "has 2 pages, and a drawing is one; take it out with \"qpdf IN.pdf --pages . 1 -- OUT.pdf\""));
+      HasSubstr("has 2 pages, and a drawing is one; say which with dieline: {page: N} or --page N"));
   EXPECT_THAT(faultsOf(".pdf", pdfOf({"<< /Pages 2 0 R >>", "<< /Kids [2 0 R] >>"})),
               HasSubstr("has no page"));
+}
+
+TEST(Pdf, OneOfSeveralPagesIsNamed) {
+  const auto leaf = [](int content) {
+    return fmt::format("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 720 720] /Contents {} 0 R >>", content);
+  };
+  const std::string file =
+      pdfOf({"<< /Type /Catalog /Pages 2 0 R >>", "<< /Type /Pages /Kids [3 0 R 7 0 R] /Count 3 >>", leaf(4),
+             pdfStream("1 0 0 RG 0 0 m 72 0 l S"), leaf(6), pdfStream("1 0 0 RG 0 0 m 144 0 l S"),
+             "<< /Type /Pages /Parent 2 0 R /Kids [5 0 R 8 0 R] /Count 2 >>", leaf(9),
+             pdfStream("1 0 0 RG 0 0 m 216 0 l S")});
+  for (const int page : {1, 2, 3}) {
+    DrawingOptions options;
+    options.page = page;
+    const Dieline dieline = readText(".pdf", file, options);
+    ASSERT_EQ(dieline.entities.size(), 1U);
+    EXPECT_NEAR(lengthOf(dieline.entities[0].curve), page * 25.4, 1e-9) << page;
+  }
+  DrawingOptions beyond;
+  beyond.page = 4;
+  EXPECT_THAT(faultsOf(".pdf", file, beyond), HasSubstr("has 3 pages, and no page 4"));
+  beyond.page = 2;
+  EXPECT_THAT(faultsOf(".pdf", pdfPage("1 0 0 RG 0 0 m 9 9 l S"), beyond),
+              HasSubstr("has 1 page, and no page 2"));
+  EXPECT_THAT(faultsOf(".svg", svg("<path d='M0 0L9 9' stroke='red'/>"), beyond),
+              HasSubstr("only a PDF has pages"));
+}
+
+TEST(Pdf, AUnitIsRefused) {
+  DrawingOptions options;
+  options.unit = DrawingUnit::kMillimetre;
+  EXPECT_THAT(faultsOf(".pdf", pdfPage("1 0 0 RG 0 0 m 9 9 l S"), options),
+              HasSubstr("a PDF file says its unit itself: leave 'unit' out, or use 'scale'"));
+  options = {};
+  options.scale = 2;
+  EXPECT_EQ(faultsOf(".pdf", pdfPage("1 0 0 RG 0 0 m 9 9 l S"), options), "");
+}
+
+/// Lines that a rule ignores are told in every format.
+TEST(Pdf, IgnoredLayersAreToldAsInOtherFormats) {
+  const std::string told = "Ignored by its rule: layer ";
+  DrawingOptions options;
+  options.layers = {"test", {{"*", Process::kIgnore}}};
+  EXPECT_THAT(readText(".pdf", pdfPage("1 0 0 RG 0 0 m 9 9 l S"), options).notes,
+              Contains(told + "'#ff0000', 1 lines."));
+  EXPECT_THAT(readText(".svg", svg("<path d='M0 0L9 9' stroke='red'/>"), options).notes,
+              Contains(told + "'#ff0000', 1 lines."));
+  EXPECT_THAT(readText(".dxf", dxf("0|LINE|8|A|10|0|20|0|11|3|21|0"), options).notes,
+              Contains(told + "'A', 1 lines."));
+  EXPECT_THAT(readText(".cf2", "$BOF\nV2\nMAIN,BOX\nUM\nL,2,1,0,0,0,50,0,0,0\nEND\n$EOF\n", options).notes,
+              Contains(told + "'CF2 type 1', 1 lines."));
 }
 
 TEST(Pdf, ContentTellsTheFormatOfOtherExtensions) {

@@ -222,6 +222,24 @@ TEST_F(Witness, AgreesOnPdf) {
                                 page));
 }
 
+TEST_F(Witness, LooksAtTheSamePage) {
+  if (!fs::exists("/usr/bin/mutool")) GTEST_SKIP() << "mutool (package mupdf-tools) is not installed";
+  const auto leaf = [](int content) {
+    return fmt::format("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 720 720] /Contents {} 0 R >>", content);
+  };
+  const dieline::TempFile file(
+      ".pdf",
+      dieline::pdfOf({"<< /Type /Catalog /Pages 2 0 R >>", "<< /Type /Pages /Kids [3 0 R 5 0 R] /Count 2 >>",
+                      leaf(4), dieline::pdfStream("1 0 0 RG 0 0 m 72 0 l S"), leaf(6),
+                      dieline::pdfStream("1 0 0 RG 9 9 m 144 0 l S")}));
+  DrawingOptions first;
+  first.page = 1;
+  DrawingOptions second;
+  second.page = 2;
+  EXPECT_EQ(asked(file.path(), second).kind, Kind::kAgrees);
+  EXPECT_EQ(testimonyOf(dieline::readDieline(file.path(), first), second, realWitness()).kind, Kind::kParts);
+}
+
 /// Reading by one set of options and witnessing by another is a misreading.
 TEST_F(Witness, PartsWhereSizeOrPlaceIsMisread) {
   const fs::path drawing = dieline::fixture("label-60x40.dxf");
