@@ -111,13 +111,17 @@ TEST_F(WitnessDemanded, WhereThereIsNoneItIsSaid) {
 
 /// Nothing of the digest depends on the witness, and the report says what it found.
 TEST_F(WitnessDemanded, AgreementChangesNoResult) {
-  const auto with = fastRunOf(demanding(label()), scratch_);
+  // One unit of the four.
+  const fs::path demand = demanding(label());
+  std::ofstream(demand, std::ios::app) << "print: {units: 1}\n";
+  const auto with = fastRunOf(demand, scratch_);
   ASSERT_EQ(with.exit_code, 0) << with.output;
   EXPECT_THAT(with.output, HasSubstr("the second reader (ezdxf"));
-  const auto without = fastRunOf(fixture("scenarios/label-on-belt.yaml"), scratch_);
+  const auto without =
+      fastRunOf(scenarioWith("label-on-belt.yaml", "name: plain\nprint: {units: 1}\n", scratch_), scratch_);
   ASSERT_EQ(without.exit_code, 0) << without.output;
   const auto demanded = verdictOf(scratch_.path() / "demanding");
-  const auto plain = verdictOf(scratch_.path() / "label-on-belt");
+  const auto plain = verdictOf(scratch_.path() / "plain");
   EXPECT_EQ(demanded.at("digest"), plain.at("digest"));
   EXPECT_THAT(demanded.at("versions").at("drawing").get<std::string>(), HasSubstr("agrees on 1 layer"));
   EXPECT_FALSE(plain.at("versions").contains("drawing"));
