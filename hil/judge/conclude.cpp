@@ -169,6 +169,7 @@ int concludeUnrun(const scenario::Case& test_case, const std::string& folder_nam
   Conclusion conclusion;
   conclusion.firmware = "not run";
   report::RunReport report = reportOf(test_case, {}, conclusion, options);
+  report.model = modelFacts(test_case.scenario, {});
   report.result.verdict = inspect::Verdict::kInvalid;
   report.result.problems = problems;
   ResultsFolder folder(options.results_dir, folder_name);

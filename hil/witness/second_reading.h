@@ -41,6 +41,6 @@ class NoReading : public std::runtime_error {
 
 /// Reads the answer, which must have the keys of hil/witness/second_reader.py and no others.
 /// @throws NoReading
-SecondReading secondReadingFrom(std::string_view json);
+SecondReading secondReadingFrom(std::string_view text);
 
 }  // namespace kerfbench::witness
