@@ -70,6 +70,7 @@ int lintDrawing(const fs::path& path, const DrawingRules& rules, bool with_witne
                     finding.layer.empty() ? "-" : finding.layer, finding.message));
   }
   for (const std::string& sentence : dieline::uncounted(report)) warn(sentence);
+  if (const auto advice = dieline::adviceOnRepeats(report)) warn(*advice);
   for (const std::string& sentence : dieline::acceptedSentences(report, rules.accepted)) warn(sentence);
   if (!quiet) {
     for (const std::string& note : dieline.notes) say(fmt::format("{}: note: {}", path.string(), note));

@@ -34,6 +34,7 @@ void addReadingOptions(CLI::App& command, dieline::DrawingArguments& arguments) 
   command.add_option("--turn", arguments.turn_deg, "Turn it about the origin, degrees counter-clockwise")
       ->capture_default_str();
   command.add_option("--shift", arguments.shift_mm, "Move it by x and y, mm")->expected(2);
+  command.add_flag("--once", arguments.once, "Leave out lines that lie wholly on another of their process");
   command.add_option("--layer", arguments.layers,
                      "What a layer is for, in place of the usual names: CUT=cut, '*/color/1=cut', "
                      "'*/linetype/DASHED=perforation', '*/other=ignore'; may be given often");

@@ -69,10 +69,13 @@ class Reader {
     curves_.push_back({std::move(curve), fmt::format("{} {} {}", origin(), part, number)});
   }
 
-  /// A radius, or 0 after a fault.
+  /// A radius, or 0 after a fault or for a dot.
   double radius() {
     const double r = fields_.number(40);
-    if (!(r > 0)) faults_.add(record_.line(), fmt::format("{} has radius {}", record_.type(), r));
+    if (r == 0.0)
+      notes_.add(record_.line(), fmt::format("{} of radius 0", record_.type()), "left out: nothing to cut");
+    else if (!(r > 0))
+      faults_.add(record_.line(), fmt::format("{} has radius {}", record_.type(), r));
     return r > 0 ? r : 0.0;
   }
 

@@ -88,7 +88,7 @@ class Unfolder {
   void read(const Eigen::Affine2d& X) {
     refuseBombs(file_, faults_);
     unfold(file_.entities, X, {});
-    census_.refuseMixed(faults_);
+    census_.refuse(faults_);
     dieline_.notes = notes_.sentences();
   }
 

@@ -64,7 +64,8 @@ std::string addLayerRule(LayerProfile& profile, const std::vector<std::string>& 
 }
 
 bool DrawingArguments::empty() const {
-  return unit.empty() && page == 0 && scale == 1.0 && turn_deg == 0.0 && shift_mm.empty() && layers.empty();
+  return unit.empty() && page == 0 && scale == 1.0 && turn_deg == 0.0 && shift_mm.empty() && !once &&
+         layers.empty();
 }
 
 DrawingOptions drawingOptionsFrom(const DrawingArguments& arguments) {
@@ -79,6 +80,7 @@ DrawingOptions drawingOptionsFrom(const DrawingArguments& arguments) {
   if (!(arguments.scale > 0)) throw DielineError("--scale must be > 0");
   options.scale = arguments.scale;
   options.turn_deg = arguments.turn_deg;
+  options.once = arguments.once;
   if (arguments.shift_mm.size() == 2) options.shift_mm = {arguments.shift_mm[0], arguments.shift_mm[1]};
   if (!arguments.layers.empty()) options.layers = {"command line", {}};
   for (const std::string& rule : arguments.layers) {

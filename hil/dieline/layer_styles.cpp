@@ -87,47 +87,59 @@ std::optional<Process> LayerCensus::processOf(std::string_view layer, const Line
     const StyleRules* styled = styledRules(profile_, layer);
     at = seen_
              .emplace(std::string(layer),
-                      Seen{styled ? std::nullopt : processFor(profile_, layer), styled, {}})
+                      Seen{styled ? std::nullopt : processFor(profile_, layer), styled, {}, {}, 0, 0})
              .first;
   }
   Seen& seen = at->second;
   if (seen.styled != nullptr) return byStyle(*seen.styled, layer, style, line, element, faults);
   if (!seen.process) {
-    faults.add(line, fmt::format("{} on layer {}, for which the profile {} has no rule; a rule is layers: "
-                                 "{{{}: cut}}",
-                                 element, inQuotes(layer), inQuotes(profile_.name), inQuotes(layer)));
+    if (seen.without_rule++ == 0) {
+      seen.first_element = element;
+      seen.first_line = line;
+    }
   } else if (*seen.process != Process::kIgnore) {
     seen.first_lines.try_emplace({style.colour, style.linetype}, line);
   }
   return seen.process;
 }
 
-void LayerCensus::refuseMixed(FaultList& faults) const {
+void LayerCensus::refuse(FaultList& faults) const {
   for (const auto& [layer, seen] : seen_) {
-    if (seen.first_lines.size() < 2) continue;
-    std::set<std::string> colours;
-    std::set<std::string> linetypes;
-    std::string styles;
-    for (const auto& [style, line] : seen.first_lines) {
-      colours.insert(written(style.first));
-      linetypes.insert(style.second);
-      if (colours.size() > 8 || linetypes.size() > 8) continue;
-      styles += fmt::format("{}{} {} (line {})", styles.empty() ? "" : ", ", written(style.first),
-                            style.second, line);
+    if (seen.without_rule > 0) {
+      const std::string more =
+          seen.without_rule > 1 ? fmt::format(" (and {} more on this layer)", seen.without_rule - 1) : "";
+      faults.add(
+          seen.first_line,
+          fmt::format("{} on layer {}{}, for which the profile {} has no rule; a rule is "
+                      "layers: {{{}: cut}}",
+                      seen.first_element, inQuotes(layer), more, inQuotes(profile_.name), inQuotes(layer)));
     }
-    const bool by_colour = colours.size() > 1;
-    const auto& values = by_colour ? colours : linetypes;
-    std::string rule;
-    for (const std::string& value : values) {
-      if (rule.size() < 100) rule += fmt::format("{}{}: …", rule.empty() ? "" : ", ", value);
-    }
-    faults.add(0,
-               fmt::format("layer {} mixes lines that are drawn differently: {}; say what each is for with "
-                           "layers: {{{}: {{{}: {{{}}}}}}}, or that all are the same with layers: {{{}: "
-                           "{{other: {}}}}}",
-                           inQuotes(layer), styles, inQuotes(layer), by_colour ? "color" : "linetype", rule,
-                           inQuotes(layer), processName(*seen.process)));
+    if (seen.first_lines.size() > 1) refuseMixed(layer, seen, faults);
   }
+}
+
+void LayerCensus::refuseMixed(const std::string& layer, const Seen& seen, FaultList& faults) const {
+  std::set<std::string> colours;
+  std::set<std::string> linetypes;
+  std::string styles;
+  for (const auto& [style, line] : seen.first_lines) {
+    colours.insert(written(style.first));
+    linetypes.insert(style.second);
+    if (colours.size() > 8 || linetypes.size() > 8) continue;
+    styles += fmt::format("{}{} {} (line {})", styles.empty() ? "" : ", ", written(style.first), style.second,
+                          line);
+  }
+  const bool by_colour = colours.size() > 1;
+  const auto& values = by_colour ? colours : linetypes;
+  std::string rule;
+  for (const std::string& value : values) {
+    if (rule.size() < 100) rule += fmt::format("{}{}: …", rule.empty() ? "" : ", ", value);
+  }
+  faults.add(0, fmt::format("layer {} mixes lines that are drawn differently: {}; say what each is for with "
+                            "layers: {{{}: {{{}: {{{}}}}}}}, or that all are the same with layers: {{{}: "
+                            "{{other: {}}}}}",
+                            inQuotes(layer), styles, inQuotes(layer), by_colour ? "color" : "linetype", rule,
+                            inQuotes(layer), processName(*seen.process)));
 }
 
 }  // namespace kerfbench::dieline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <set>
@@ -29,18 +30,24 @@ class LayerCensus {
  public:
   explicit LayerCensus(const LayerProfile& profile) : profile_(profile) {}
 
-  /// The process of a line, or nothing after a fault: no rule names its layer, or none its style.
+  /// The process of a line, or nothing: no rule names its layer, which refuse() says, or none its style,
+  /// which is a fault at the first line of that style.
   std::optional<Process> processOf(std::string_view layer, const LineStyle& style, int line,
                                    std::string_view element, FaultList& faults);
-  /// Adds a fault for each layer whose lines are drawn differently although no rule tells them apart.
-  void refuseMixed(FaultList& faults) const;
+  /// Adds a fault for each layer that no rule names, and for each whose lines are drawn differently although
+  /// no rule tells them apart.
+  void refuse(FaultList& faults) const;
 
  private:
   struct Seen {
     std::optional<Process> process;  ///< What the plain rule says; nothing where no rule names the layer.
     const StyleRules* styled{};      ///< Rules by style; null without.
     std::map<std::pair<std::string, std::string>, int> first_lines;  ///< Colour, linetype -> line.
+    std::string first_element;  ///< Of a layer without a rule, as "LINE".
+    int first_line{};
+    std::size_t without_rule{};
   };
+  void refuseMixed(const std::string& layer, const Seen& seen, FaultList& faults) const;
   std::optional<Process> byStyle(const StyleRules& rules, std::string_view layer, const LineStyle& style,
                                  int line, std::string_view element, FaultList& faults) const;
 

@@ -73,4 +73,16 @@ std::vector<std::string> uncounted(const LintReport& report) {
   return sentences;
 }
 
+std::optional<std::string> adviceOnRepeats(const LintReport& report) {
+  const auto isRepeat = [](const auto& entry) {
+    const bool is_of_two =
+        entry.first == LintFinding::Kind::kDuplicate || entry.first == LintFinding::Kind::kOverlap;
+    return is_of_two && entry.second.not_to_be_accepted > 0;
+  };
+  if (std::none_of(report.counts.begin(), report.counts.end(), isRepeat)) return std::nullopt;
+  return "cuts on each other would be cut twice: dieline: {once: true} (--once) leaves out each that lies "
+         "wholly on "
+         "another";
+}
+
 }  // namespace kerfbench::dieline

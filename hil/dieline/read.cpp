@@ -13,6 +13,7 @@
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/ignored_layers.h"
 #include "hil/dieline/readers.h"
+#include "hil/dieline/repeats.h"
 #include "hil/dieline/text.h"
 
 namespace kerfbench::dieline {
@@ -106,6 +107,8 @@ Dieline readDieline(const std::filesystem::path& path, const DrawingOptions& opt
   noteIgnoredLayers(dieline);
   place(dieline, options);
   checkRange(dieline, faults);
+  faults.throwIfAny();
+  if (options.once) leaveOutRepeats(dieline, faults);
   faults.throwIfAny();
   return dieline;
 }

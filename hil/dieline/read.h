@@ -66,6 +66,8 @@ struct DrawingOptions {
   double scale{1.0};
   double turn_deg{};  ///< Counter-clockwise.
   Eigen::Vector2d shift_mm{Eigen::Vector2d::Zero()};
+  /// Lines that lie wholly on another of their process are left out, with a note.
+  bool once{};
 };
 
 /// Adds a rule to a profile: {"CUT"}, {"CUT", "other"}, {"*", "color", "1"}, {"*", "linetype", "DASHED"} or
@@ -80,6 +82,7 @@ struct DrawingArguments {
   double scale{1.0};
   double turn_deg{};
   std::vector<double> shift_mm;  ///< Two numbers, or none.
+  bool once{};
   std::vector<std::string>
       layers;  ///< Rules such as "CUT=cut" and "*/color/1=cut", in place of the usual names.
   /// True if nothing was told.
@@ -129,6 +132,8 @@ std::vector<std::string> acceptedSentences(const LintReport& report,
                                            const std::set<LintFinding::Kind>& accepted);
 /// One sentence for each kind of which the report does not have all findings.
 std::vector<std::string> uncounted(const LintReport& report);
+/// What to do about cuts on each other, or nothing where there are none.
+std::optional<std::string> adviceOnRepeats(const LintReport& report);
 
 /// Name of a kind for people and options: "duplicate", "overlap", "gap", "zero-length", "open-outline",
 /// "suspicious-size", "empty".

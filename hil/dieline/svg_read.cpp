@@ -67,7 +67,7 @@ class SvgReader {
     context.X = page.X;
     context.viewport = page.size;
     if (const auto inside = enter(root, context)) children(root, *inside);
-    census_.refuseMixed(faults_);
+    census_.refuse(faults_);
     faults_.throwIfAny();
     dieline_.notes = notes_.sentences();
     return std::move(dieline_);

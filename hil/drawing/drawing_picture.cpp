@@ -295,9 +295,9 @@ PictureContent contentOf(const dieline::Dieline& dieline, std::string title, int
   dieline::LintReport report = dieline::lintDieline(dieline, kMostFaults);
   for (dieline::LintFinding& finding : report.findings)
     finding.is_error = finding.is_error && !dieline::isAccepted(finding, accepted);
-  PictureContent content{std::move(title), std::move(report.findings), dieline.notes, width_px};
-  for (std::string& sentence : dieline::uncounted(report)) content.notes.push_back(std::move(sentence));
-  return content;
+  std::vector<std::string> notes = dieline.notes;
+  for (std::string& sentence : dieline::uncounted(report)) notes.push_back(std::move(sentence));
+  return {std::move(title), std::move(report.findings), std::move(notes), width_px};
 }
 
 std::string svgOf(const dieline::Dieline& dieline, const PictureContent& content) {

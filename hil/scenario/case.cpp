@@ -31,6 +31,8 @@ void refuseUnfit(dieline::Dieline& dieline, const std::set<dieline::LintFinding:
   if (!message.empty()) {
     for (const std::string& sentence : dieline::uncounted(report))
       message += fmt::format("\n{}: {}", dieline.path, sentence);
+    if (const auto advice = dieline::adviceOnRepeats(report))
+      message += fmt::format("\n{}: {}", dieline.path, *advice);
     throw base::ConfigError(message);
   }
   for (std::string& sentence : dieline::acceptedSentences(report, accepted))

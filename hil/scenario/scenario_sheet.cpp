@@ -140,6 +140,7 @@ void readDrawing(base::YamlReader& file, Scenario& s) {
   s.drawing.turn_deg = drawing.number("turn", {.min = -360, .max = 360, .fallback = 0.0});
   const auto shift = drawing.numbers("shift", 2, {.min = -1e5, .max = 1e5, .fallback = 0.0});
   s.drawing.shift_mm = {shift[0], shift[1]};
+  s.drawing.once = drawing.boolean("once", false);
   s.witness_required = drawing.choice("witness", {"none", "required"}, "none") == "required";
   for (const std::string& name : drawing.texts("accept")) {
     const auto kind = dieline::lintKindFromName(name);

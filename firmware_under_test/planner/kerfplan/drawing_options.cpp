@@ -17,6 +17,8 @@ void addDrawingOptions(CLI::App& app, dieline::DrawingArguments& arguments) {
       ->capture_default_str()
       ->group(group);
   app.add_option("--shift", arguments.shift_mm, "Move it by x and y, mm")->expected(2)->group(group);
+  app.add_flag("--once", arguments.once, "Leave out lines that lie wholly on another of their process")
+      ->group(group);
   app.add_option("--layer", arguments.layers,
                  "What a layer is for, in place of the usual names: CUT=cut, '*/color/1=cut', "
                  "'*/linetype/DASHED=perforation', '*/other=ignore'; may be given often")

@@ -110,8 +110,8 @@ std::string planeSummary(const Compensated& done) {
 
 /// Refuses options that the kind of file makes no use of.
 void refuseIdle(const CLI::App& command, bool in_space) {
-  const std::vector<const char*> of_drawings{"--open-cuts", "--allow-lost", "--unit",  "--page",
-                                             "--scale",     "--turn",       "--shift", "--layer"};
+  const std::vector<const char*> of_drawings{"--open-cuts", "--allow-lost", "--unit", "--page", "--scale",
+                                             "--turn",      "--shift",      "--once", "--layer"};
   const std::vector<const char*> of_space{"--side", "--pierced", "--joints", "--chord-error"};
   std::string faults;
   for (const char* option : in_space ? of_drawings : of_space) {

@@ -187,6 +187,19 @@ void markTightBends(double clearance_mm, std::vector<EntityPlan>& plans) {
   }
 }
 
+/// Where a cut lies on a crease, a half-cut or a perforation, its kerf is what a caliper sees there.
+void markUnderCuts(const SampleGrid& grid, std::vector<EntityPlan>& plans) {
+  for (EntityPlan& own : plans) {
+    if (own.process == dieline::Process::kCut) continue;
+    for (Station& station : own.stations) {
+      grid.around(station.p_S_mm, [&](const CurveSample& other) {
+        if (plans[other.plan].process != dieline::Process::kCut || !isSameLine(station, other)) return;
+        if ((other.p_S_mm - station.p_S_mm).norm() <= kSamplePitchMm) station.near_corner = true;
+      });
+    }
+  }
+}
+
 const Station& nearestTo(const Station& at, const std::vector<Station>& stations) {
   return *std::ranges::min_element(stations, {},
                                    [&](const Station& s) { return std::abs(s.station_mm - at.station_mm); });
@@ -219,6 +232,7 @@ KerfPlan planKerf(const dieline::Dieline& dieline, const KerfScanOptions& option
   for (std::size_t i = 0; i < ends.size(); ++i) end_grid.add({ends[i].p_S_mm, ends[i].outward, 0.0, 0.0, i});
   findJoints(grid, end_grid, ends, options.joint_clearance_mm, plan);
   markTightBends(options.joint_clearance_mm, plan.entities);
+  markUnderCuts(grid, plan.entities);
   for (std::size_t i = 0; i < plan.entities.size(); ++i) {
     EntityPlan& own = plan.entities[i];
     for (Station& station : own.stations) hideOthers(station, i, own, grid, options.reach_mm);

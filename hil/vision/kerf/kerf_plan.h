@@ -19,7 +19,8 @@ struct Station {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d tangent{Eigen::Vector2d::UnitX()};
   double curvature_per_mm{};
-  bool near_corner{};  ///< True within the clearance of a corner.
+  bool
+      near_corner{};  ///< True within the clearance of a corner, and where a cut lies on a line that is none.
   std::size_t hidden_begin{};
   std::size_t hidden_count{};  ///< Number of entries of EntityPlan::hidden_S_mm.
 };

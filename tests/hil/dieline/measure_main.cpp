@@ -32,16 +32,21 @@ std::string measured(const dieline::Dieline& drawing) {
 
 }  // namespace
 
-/// Arguments are files; `--unit UNIT` says what a unit is in those behind it.
+/// Arguments are files; `--unit UNIT` and `--layer RULE` say what a unit and a layer are in those behind them.
 int main(int argc, char** argv) {
-  dieline::DrawingOptions options;
+  dieline::DrawingArguments told;
   for (int i = 1; i < argc; ++i) {
-    if (std::string(argv[i]) == "--unit" && i + 1 < argc) {
-      options.unit = dieline::drawingUnitFromName(argv[++i]);
+    const std::string argument = argv[i];
+    if (argument == "--unit" && i + 1 < argc) {
+      told.unit = argv[++i];
+      continue;
+    }
+    if (argument == "--layer" && i + 1 < argc) {
+      told.layers.emplace_back(argv[++i]);
       continue;
     }
     try {
-      std::puts(measured(dieline::readDieline(argv[i], options)).c_str());
+      std::puts(measured(dieline::readDieline(argument, dieline::drawingOptionsFrom(told))).c_str());
     } catch (const dieline::DielineError& error) {
       std::fprintf(stderr, "%s\n", error.what());
       return 1;

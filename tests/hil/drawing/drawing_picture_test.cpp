@@ -70,6 +70,14 @@ std::array<int, 3> colourAt(const base::PngSamples& picture, const Eigen::Vector
 
 bool isWhite(const std::array<int, 3>& rgb) { return rgb[0] > 250 && rgb[1] > 250 && rgb[2] > 250; }
 
+TEST(DrawingPicture, CountsNoFaultTwice) {
+  dieline::Dieline dieline = plate();
+  addLine(dieline, Process::kCut, "cut", {0, 0}, {100, 0});
+  const PictureContent content = contentOf(dieline, "plate", 800, {});
+  EXPECT_EQ(content.findings.size(), 1U);
+  EXPECT_THAT(content.notes, testing::IsEmpty()) << "no more than the one fault that is marked";
+}
+
 TEST(DrawingPicture, ShadesPiecesAndLeavesHolesWhite) {
   const base::PngSamples picture = decoded(plate(), {.title = "plate.dxf", .width_px = 828});
   // Away from the lines of the scale, which are drawn at round numbers.

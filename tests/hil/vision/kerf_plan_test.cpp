@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <vector>
 
 #include "hil/dieline/geometry.h"
 
@@ -63,6 +64,39 @@ TEST(KerfPlan, EndsMeetWithinTwoHundredthsOfAMillimetre) {
   };
   EXPECT_EQ(cornersAt(0.018), 1U);
   EXPECT_EQ(cornersAt(0.022), 0U);
+}
+
+/// Stations of a crease of 20 mm that count as at a corner, with a cut from cut_from_mm to cut_to_mm along
+/// it.
+std::vector<double> nearCornerOfACrease(double cut_from_mm, double cut_to_mm) {
+  dieline::Dieline dieline;
+  dieline::Entity& crease = dieline.entities.emplace_back();
+  crease.curve = dieline::LineCurve{{0.0, 0.0}, {20.0, 0.0}};
+  crease.process = dieline::Process::kCrease;
+  dieline::Entity& cut = dieline.entities.emplace_back();
+  cut.id = 1;
+  cut.curve = dieline::LineCurve{{cut_from_mm, 0.0}, {cut_to_mm, 0.0}};
+  KerfScanOptions options;
+  options.station_pitch_mm = 0.1;
+  std::vector<double> places_mm;
+  const KerfPlan plan = planKerf(dieline, options);
+  for (const Station& station : plan.entities.front().stations)
+    if (station.near_corner) places_mm.push_back(station.station_mm);
+  EXPECT_TRUE(std::ranges::none_of(plan.entities.back().stations, &Station::near_corner)) << "the cut's own";
+  return places_mm;
+}
+
+TEST(KerfPlan, ACreaseUnderACutIsNotJudgedByTheCutsLight) {
+  const std::vector<double> covered_mm = nearCornerOfACrease(0.0, 0.8);
+  ASSERT_FALSE(covered_mm.empty());
+  EXPECT_NEAR(covered_mm.front(), 0.0, 1e-9);
+  EXPECT_NEAR(covered_mm.back(), 0.85, 0.1);
+  EXPECT_GE(covered_mm.size(), 9U);
+}
+
+TEST(KerfPlan, ACreaseThatGoesOnWhereACutEndsIsJudgedFromThereOn) {
+  const std::vector<double> covered_mm = nearCornerOfACrease(-20.0, 0.0);
+  EXPECT_TRUE(covered_mm.empty() || covered_mm.back() <= 0.11);
 }
 
 TEST(KerfPlan, AHoleAsSmallIsMeasuredByItsOwnCalipers) {
