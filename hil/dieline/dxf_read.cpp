@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -75,6 +77,20 @@ bool isPart(std::string_view type) {
   return type == "VERTEX" || type == "SEQEND" || type == "ATTRIB" || type == "ATTDEF" || type == "VIEWPORT";
 }
 
+/// Adds the handles of the frames that MTEXTs among the records have: lines of their own, which the text
+/// names in its extended data.
+void addFrames(const std::vector<DxfRecord>& records, std::set<std::string, std::less<>>& handles) {
+  for (const DxfRecord& record : records) {
+    if (record.type() != "MTEXT") continue;
+    bool is_border = false;
+    for (const DxfTag& tag : record.tags) {
+      if (tag.code == 1000 && tag.text == "ACAD_MTEXT_TEXT_BORDERS_BEGIN") is_border = true;
+      if (tag.code == 1000 && tag.text == "ACAD_MTEXT_TEXT_BORDERS_END") is_border = false;
+      if (is_border && tag.code == 1005) handles.insert(lowered(tag.text));
+    }
+  }
+}
+
 class Unfolder {
  public:
   Unfolder(const DxfFile& file, const DrawingOptions& options, FaultList& faults, Dieline& dieline)
@@ -87,6 +103,8 @@ class Unfolder {
 
   void read(const Eigen::Affine2d& X) {
     refuseBombs(file_, faults_);
+    addFrames(file_.entities, frames_);
+    for (const auto& [name, block] : file_.blocks) addFrames(block.records, frames_);
     unfold(file_.entities, X, {});
     census_.refuse(faults_);
     dieline_.notes = notes_.sentences();
@@ -101,8 +119,10 @@ class Unfolder {
       if (isPart(type)) continue;
       const DxfLook look = looks_.lookOf(record, inherited);
       if (look.is_on_paper || !isShown(record, look)) continue;
-      if (isBesideTheLines(type)) {
-        notes_.add(record.line(), type, "ignored: no line to cut");
+      const bool is_frame =
+          !frames_.empty() && frames_.contains(lowered(DxfFields(record, faults_).text(5, "")));
+      if (is_frame || isBesideTheLines(type)) {
+        notes_.add(record.line(), is_frame ? "frame of a text" : type, "ignored: no line to cut");
         continue;
       }
       try {
@@ -206,6 +226,7 @@ class Unfolder {
   }
 
   const DxfFile& file_;
+  std::set<std::string, std::less<>> frames_;  ///< Handles of frames of texts, in lower case.
   const LayerProfile& profile_;
   FaultList& faults_;
   Dieline& dieline_;

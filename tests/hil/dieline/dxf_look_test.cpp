@@ -118,7 +118,7 @@ TEST(DxfLook, BlocksTakeLayerZeroAndByBlockFromTheirInsert) {
       withLayers({"KNIFE|70|0|62|5|6|HIDDEN"}, "0|INSERT|8|KNIFE|62|3|6|DASHED|2|A|10|0|20|0", blocks),
       options);
   EXPECT_THAT(processes(dieline), ElementsAre(Process::kPerforation, Process::kHalfCut, Process::kCrease));
-  EXPECT_EQ(dieline.entities[0].layer, "KNIFE");
+  EXPECT_EQ(dieline.entities[0].layer, "SLOT");
 }
 
 TEST(DxfLook, WhatIsNotShownIsNotCutAndIsNoted) {
@@ -199,6 +199,35 @@ TEST(DxfLook, SmallFaultsAreMendedAndNoted) {
                                          HasSubstr("LINE of length 0: 1 left out"),
                                          HasSubstr("LWPOLYLINE with fewer than 2 vertices: 1 left out")));
   EXPECT_THAT(faultsOf(".dxf", dxf("0|LINE|8|CUT|10|1,5|20|0|11|1|21|0")), HasSubstr("is no number: '1,5'"));
+}
+
+TEST(DxfLook, TheFrameOfATextIsNoCut) {
+  const std::string frame = "0|LWPOLYLINE|5|9f|8|CUT|90|3|70|1|10|1|20|1|10|9|20|1|10|9|20|5";
+  const std::string text =
+      "0|MTEXT|5|87|8|CUT|10|1|20|1|1|note|1001|ACAD|1000|ACAD_MTEXT_TEXT_BORDERS_BEGIN|1070|5|1005|9F|"
+      "1000|ACAD_MTEXT_TEXT_BORDERS_END|1000|OTHER_BEGIN|1005|A1";
+  const Dieline dieline =
+      readText(".dxf", dxf(text + "|" + frame + "|0|LINE|5|A1|8|CUT|10|0|20|0|11|9|21|0"));
+  EXPECT_EQ(dieline.entities.size(), 1U) << "the line, which another part of the text's data names, is cut";
+  EXPECT_THAT(dieline.notes, Contains(HasSubstr("frame of a text: 1 ignored")));
+  EXPECT_EQ(readText(".dxf", dxf(frame)).entities.size(), 3U) << "a frame of no text";
+}
+
+TEST(DxfLook, ArcsAndCirclesWithoutRadiusAreDots) {
+  const Dieline dieline = readText(
+      ".dxf", dxf(lineAt(2, "CUT") + "|0|ARC|8|CUT|10|0|20|0|40|0|50|0|51|90|0|CIRCLE|8|CUT|10|0|20|0|40|0"));
+  EXPECT_EQ(dieline.entities.size(), 1U);
+  EXPECT_THAT(dieline.notes, Contains(HasSubstr("ARC of radius 0: 1 left out")));
+  EXPECT_THAT(dieline.notes, Contains(HasSubstr("CIRCLE of radius 0: 1 left out")));
+}
+
+TEST(DxfLook, ALayerWithoutARuleIsToldOnce) {
+  const std::string faults = faultsOf(".dxf", dxf(lineAt(2, "SLOT") + "|" + lineAt(3, "SLOT") + "|" +
+                                                  lineAt(4, "SLOT") + "|" + lineAt(5, "SAFE")));
+  EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 1) << faults;
+  EXPECT_THAT(faults,
+              HasSubstr(":6: LINE on layer 'SLOT' (and 2 more on this layer), for which the profile"));
+  EXPECT_THAT(faults, HasSubstr("LINE on layer 'SAFE', for which the profile"));
 }
 
 TEST(DxfLook, AUnitThatContradictsItselfIsAskedFor) {

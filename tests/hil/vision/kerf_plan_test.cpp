@@ -87,10 +87,10 @@ std::vector<double> nearCornerOfACrease(double cut_from_mm, double cut_to_mm) {
 }
 
 TEST(KerfPlan, ACreaseUnderACutIsNotJudgedByTheCutsLight) {
-  const std::vector<double> covered_mm = nearCornerOfACrease(0.0, 0.8);
+  const std::vector<double> covered_mm = nearCornerOfACrease(5.0, 5.8);
   ASSERT_FALSE(covered_mm.empty());
-  EXPECT_NEAR(covered_mm.front(), 0.0, 1e-9);
-  EXPECT_NEAR(covered_mm.back(), 0.85, 0.1);
+  EXPECT_NEAR(covered_mm.front(), 4.95, 0.1);
+  EXPECT_NEAR(covered_mm.back(), 5.85, 0.1);
   EXPECT_GE(covered_mm.size(), 9U);
 }
 
