@@ -118,7 +118,7 @@ TEST(DxfLook, BlocksTakeLayerZeroAndByBlockFromTheirInsert) {
       withLayers({"KNIFE|70|0|62|5|6|HIDDEN"}, "0|INSERT|8|KNIFE|62|3|6|DASHED|2|A|10|0|20|0", blocks),
       options);
   EXPECT_THAT(processes(dieline), ElementsAre(Process::kPerforation, Process::kHalfCut, Process::kCrease));
-  EXPECT_EQ(dieline.entities[0].layer, "SLOT");
+  EXPECT_EQ(dieline.entities[0].layer, "KNIFE");
 }
 
 TEST(DxfLook, WhatIsNotShownIsNotCutAndIsNoted) {
