@@ -19,7 +19,6 @@
 namespace kerfbench::inspect::checks {
 namespace {
 
-constexpr double kMinExpectedFrames = 4.0;
 /// What the live check allows beyond the limit of the kerf's.
 constexpr double kLiveAllowance_mm = 0.012;
 /// Share of frames away from every line beyond which the others are near one by chance. On carton-mounted, a
@@ -137,48 +136,6 @@ Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const Li
       placeOf(worst->p_S_mm));
   if (faint > 0) check.explanation += fmt::format(" In {} more it was too faint to be placed.", faint);
   if (off > 0) check.explanation += fmt::format(" {} frames show it away from every line.", off);
-  return check;
-}
-
-Check repeatCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit,
-                  const std::vector<EntityResult>& entities) {
-  Check check{.name = "repeat", .title = "No line is cut twice"};
-  check.limit = limits.passes;
-  check.value = kNan;
-  std::vector<double> steps_mm;
-  for (const LitRun& run : lit.runs) {
-    for (std::size_t i = run.begin + 1; i < run.end; ++i) {
-      steps_mm.push_back((lit.frames[i].p_S_mm - lit.frames[i - 1].p_S_mm).norm());
-    }
-  }
-  const double step_mm = medianOf(std::move(steps_mm));
-  std::size_t judged = 0;
-  for (const EntityResult& e : entities) {
-    const double length_mm =
-        dieline::lengthOf(evidence.dieline->entities[static_cast<std::size_t>(e.entity)].curve);
-    if (!(length_mm >= kMinExpectedFrames * step_mm)) continue;
-    ++judged;
-    const double u = std::min(step_mm / length_mm, 0.25);
-    if (!std::isnan(check.value) && e.passes <= check.value) continue;
-    check.value = e.passes;
-    check.u = check.guard = u;
-    check.subject = nameOf(e.unit, e.entity);
-  }
-  decide(check);
-  if (judged == 0) {
-    check.explanation = "The spot camera saw no line long enough to count how often it was cut.";
-    return check;
-  }
-  check.explanation =
-      check.verdict == Verdict::kPass
-          ? fmt::format("None of {} lines was followed more than once; the most is {:.2f} times, {}.", judged,
-                        check.value, check.subject)
-          : fmt::format("The spot went along {} {:.2f} times: it was cut more than once, at least in part.",
-                        check.subject, check.value);
-  if (judged < entities.size()) {
-    check.explanation += fmt::format(
-        " {} lines are too short for the camera to count; their kerf width tells.", entities.size() - judged);
-  }
   return check;
 }
 
