@@ -19,6 +19,12 @@ namespace {
   throw std::system_error(errno, std::generic_category(), what + " " + path.string());
 }
 
+/// What a user who names a file can mend: the folder is not there, is none, or is not to be written in.
+bool isTheFolder(int error) {
+  return error == ENOENT || error == ENOTDIR || error == EACCES || error == EPERM || error == EROFS ||
+         error == ELOOP || error == ENAMETOOLONG;
+}
+
 std::filesystem::path folderOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
 }
@@ -35,7 +41,12 @@ AtomicFile::AtomicFile(std::filesystem::path path)
     : path_(std::move(path)),
       temporary_((folderOf(path_) / ("." + path_.filename().string() + ".XXXXXX")).string()),
       fd_(::mkostemp(temporary_.data(), O_CLOEXEC)) {
-  if (fd_.get() < 0) fail("cannot create a file beside", path_);
+  if (fd_.get() >= 0) return;
+  const int error = errno;
+  if (!isTheFolder(error)) fail("cannot create a file beside", path_);
+  throw FolderError(
+      error, std::generic_category(),
+      path_.string() + " cannot be written: its folder " + folderOf(path_).string() + " cannot be used");
 }
 
 AtomicFile::~AtomicFile() {

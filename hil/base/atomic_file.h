@@ -4,16 +4,23 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "hil/base/unique_fd.h"
 
 namespace kerfbench::base {
 
+/// The folder of a file that shall be written is not there, is no folder, or may not be written in: what()
+/// names both and says why.
+struct FolderError : std::system_error {
+  using std::system_error::system_error;
+};
+
 /// A file that is written in pieces, and is there whole or not at all: a temporary next to it; commit() does
 /// fsync, rename, fsync of the folder. Without commit() nothing is left.
 class AtomicFile {
  public:
-  /// @throws std::system_error with the path, as the others.
+  /// @throws FolderError, or std::system_error with the path, as the others.
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -29,7 +36,7 @@ class AtomicFile {
 };
 
 /// Writes a file whole or not at all, as an AtomicFile.
-/// @throws std::system_error with the path.
+/// @throws FolderError, or std::system_error with the path.
 void writeFileAtomically(const std::filesystem::path& path, std::string_view content);
 
 }  // namespace kerfbench::base

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "hil/base/atomic_file.h"
 #include "hil/base/freed_memory.h"
 
 namespace kerfbench::cli {
@@ -16,6 +17,9 @@ int guardedMain(const std::function<int()>& work) {
   base::keepFreedMemory();
   try {
     return work();
+  } catch (const base::FolderError& e) {
+    std::fputs(fmt::format("kerfbench: {}\n", e.what()).c_str(), stderr);
+    return base::kExitInput;
   } catch (const std::exception& e) {
     std::fputs(fmt::format("kerfbench: the bench itself broke: {}\n", e.what()).c_str(), stderr);
     return base::kExitBroken;

@@ -32,12 +32,19 @@ TEST_F(AtomicFileTest, LeavesTheOldFileAndNoRestWhenItCannotReplace) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
 }
 
-TEST_F(AtomicFileTest, NamesThePathWhenTheFolderIsMissing) {
-  try {
-    writeFileAtomically(folder_ / "missing" / "a", "x");
-    FAIL() << "no exception";
-  } catch (const std::system_error& e) {
-    EXPECT_NE(std::string(e.what()).find("missing/a"), std::string::npos) << e.what();
+TEST_F(AtomicFileTest, NamesFileAndFolderWhenTheFolderIsMissingOrNone) {
+  writeFileAtomically(folder_ / "file", "x");
+  for (const char* folder : {"missing", "file"}) {
+    try {
+      writeFileAtomically(folder_ / folder / "a", "x");
+      ADD_FAILURE() << "no exception";
+    } catch (const FolderError& e) {
+      const std::string text = e.what();
+      EXPECT_NE(text.find((folder_ / folder / "a").string() + " cannot be written: its folder " +
+                          (folder_ / folder).string() + " cannot be used: "),
+                std::string::npos)
+          << text;
+    }
   }
 }
 

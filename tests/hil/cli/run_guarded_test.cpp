@@ -6,8 +6,10 @@
 
 #include <stdexcept>
 
+#include "hil/base/atomic_file.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/cli/program.h"
 #include "hil/judge/results_folder.h"
 #include "tests/hil/base/temp_folder.h"
 #include "twin/machine/divergence.h"
@@ -17,6 +19,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(ExitCodes, AModelThatDivergesBreaksTheBenchAndIsNoVerdict) {
   const base::TempFolder temp;
@@ -39,6 +42,17 @@ TEST(ExitCodes, BadInputIsToldInTheUsersWords) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "m.yaml:3: wrong\n");
   EXPECT_EQ(runGuarded("job.yaml", [] { return 4; }), 4);
   EXPECT_THROW(runGuarded("job.yaml", []() -> int { throw std::logic_error("a bug"); }), std::logic_error);
+}
+
+TEST(ExitCodes, AFolderThatIsMissingIsTheUsersToMend) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(guardedMain([]() -> int {
+              base::writeFileAtomically("/nowhere/a.png", "x");
+              return 0;
+            }),
+            base::kExitInput);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("its folder /nowhere cannot be used"), Not(HasSubstr("itself broke"))));
 }
 
 TEST(ExitCodes, TheGravestOfSeveralCounts) {
