@@ -43,7 +43,7 @@ class LayerCensus {
     std::optional<Process> process;  ///< What the plain rule says; nothing where no rule names the layer.
     const StyleRules* styled{};      ///< Rules by style; null without.
     std::map<std::pair<std::string, std::string>, int> first_lines;  ///< Colour, linetype -> line.
-    std::string first_element;  ///< Of a layer without a rule, as "LINE".
+    std::string first_element;  ///< First line of a layer without a rule, as "LINE".
     int first_line{};
     std::size_t without_rule{};
   };

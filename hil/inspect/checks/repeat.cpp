@@ -19,8 +19,8 @@ namespace kerfbench::inspect::checks {
 namespace {
 
 constexpr double kMinExpectedFrames = 4.0;
-/// Of short lines together: the beam does not stop where they meet, so that a frame at either end may be
-/// counted for the next line.
+/// The same for short lines together: the beam does not stop where they meet, so that a frame at either end
+/// may be counted for the next line.
 constexpr double kMinExpectedFramesOfSeveral = 8.0;
 
 /// A line, or several that follow each other, and how often the spot went along them.
@@ -94,7 +94,7 @@ void addShort(const std::vector<std::pair<const EntityResult*, double>>& stretch
 std::vector<Followed> followedOf(const Evidence& evidence, const std::vector<EntityResult>& entities,
                                  double step_mm) {
   std::vector<Followed> all;
-  std::map<int, std::map<int, const EntityResult*>> shorter;  // By unit and entity.
+  std::map<int, std::map<int, const EntityResult*>> shorter;  // Keys are unit and entity.
   for (const EntityResult& e : entities) {
     const double length_mm = lengthIn(evidence, e.entity);
     if (length_mm >= kMinExpectedFrames * step_mm)

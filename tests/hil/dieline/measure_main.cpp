@@ -32,7 +32,8 @@ std::string measured(const dieline::Dieline& drawing) {
 
 }  // namespace
 
-/// Arguments are files; `--unit UNIT` and `--layer RULE` say what a unit and a layer are in those behind them.
+/// Arguments are files; `--unit UNIT` and `--layer RULE` say what a unit and a layer are in those behind
+/// them.
 int main(int argc, char** argv) {
   dieline::DrawingArguments told;
   for (int i = 1; i < argc; ++i) {
