@@ -12,6 +12,8 @@ namespace kerfbench::app {
 void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 void addRecordFrames(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 void addCapture(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
+/// compare, history, prune.
+void addHistory(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 void addDoctor(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 /// --unit, --scale, --turn, --shift and --layer of a command that reads drawings.
 void addReadingOptions(CLI::App& command, dieline::DrawingArguments& arguments);

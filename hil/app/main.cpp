@@ -207,6 +207,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
   addRun(app, program, actions);
   addReplay(app, program, actions);
   addVerify(app, program, actions);
+  addHistory(app, program, actions);
   addMotion(app, program, actions);
   addFold(app, program, actions);
   addRecordFrames(app, program, actions);

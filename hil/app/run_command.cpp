@@ -15,7 +15,7 @@
 #include "hil/judge/conclude.h"
 #include "hil/judge/controller_evidence.h"
 #include "hil/judge/kerf_watch.h"
-#include "hil/judge/results_folder.h"
+#include "hil/judge/run_folder.h"
 #include "hil/judge/run_options.h"
 #include "hil/judge/spot_watch.h"
 #include "hil/live/live_spot.h"
@@ -56,7 +56,7 @@ int replayOne(const Replay& replay, const judge::RunOptions& options) {
   base::Console console(options.quiet);
   scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options);
   const fs::path& recording = replay.recording;
-  judge::refuseForeignResults(options.results_dir, test_case.scenario.name + "-replay");
+  judge::refuseBlockedRuns(options.results_dir, test_case.scenario.name + "-replay");
   console.say(fmt::format("{}: {}, replayed from {}", test_case.scenario.name, test_case.scenario.title,
                           recording.string()));
   if (const auto code =
@@ -85,7 +85,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   base::Console console(options.quiet);
   scenario::Case test_case = caseWithOptions(path, image, options);
   const scenario::Scenario& scenario = test_case.scenario;
-  judge::refuseForeignResults(options.results_dir, scenario.name);
+  judge::refuseBlockedRuns(options.results_dir, scenario.name);
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
   live::refuseKerfPictures(test_case);
   if (const auto code = refusedByWitness(test_case, scenario.name, options, stopwatch, console)) return *code;

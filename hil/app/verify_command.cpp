@@ -20,6 +20,7 @@
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
 #include "hil/cli/run_guarded.h"
+#include "hil/history/run_history.h"
 #include "hil/judge/results_folder.h"
 #include "hil/judge/results_list.h"
 #include "hil/scenario/scenario.h"
@@ -134,7 +135,7 @@ std::vector<std::string> replayDifferences(const VerifyOptions& options, const J
       replayCommand({options.folder / "pins.vcd", options.scenario, options.image, options.frames}, run);
   if (code == base::kExitInput || code == base::kExitBroken)
     throw base::InputError(fmt::format("{}: its pins could not be judged again", options.folder.string()));
-  const fs::path again = fs::directory_iterator(scratch.staging())->path();
+  const fs::path again = history::runMeantBy(fs::directory_iterator(scratch.staging())->path());
   const Json now = verdictOf(again);
   std::vector<std::string> found;
   if (sumsIn(verdict, "inputs") != sumsIn(now, "inputs"))
@@ -173,7 +174,12 @@ int verify(const VerifyOptions& options) {
 }  // namespace
 
 int verifyCommand(const VerifyOptions& options) {
-  return cli::runGuarded(options.folder, [&] { return verify(options); });
+  return cli::runGuarded(options.folder, [&] {
+    // The runs of a scenario: the latest of them.
+    VerifyOptions of_run = options;
+    if (history::holdsRuns(options.folder)) of_run.folder = history::runMeantBy(options.folder);
+    return verify(of_run);
+  });
 }
 
 }  // namespace kerfbench::app

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/judge/conclude.h"
 
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,7 +14,7 @@
 #include "hil/judge/machine_pictures.h"
 #include "hil/judge/model_parting.h"
 #include "hil/judge/real_spot.h"
-#include "hil/judge/results_folder.h"
+#include "hil/judge/run_folder.h"
 #include "hil/report/run_report.h"
 #include "hil/source/vcd.h"
 
@@ -136,7 +137,7 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
   if (test_case.scenario.cameras.spot.is_real)
     report.model.partings = spotPartings(report.spot, truth.exposures, report.result.cuts);
 
-  ResultsFolder folder(options.results_dir, conclusion.folder_name);
+  RunFolder folder(options.results_dir, conclusion.folder_name);
   report.evidence.insert(report.evidence.begin(),
                          {"pins", writePins(folder.staging(), test_case, run, conclusion)});
   stopwatch.lap("recording of the pins");
@@ -155,7 +156,7 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
   // Last, so that whatever fails before leaves them where they are.
   if (conclusion.moves_frames)
     std::filesystem::rename(conclusion.spot_frames, folder.staging() / kSpotFrames);
-  folder.commit();
+  folder.commit(std::chrono::system_clock::now(), digests.results);
   stopwatch.lap("report");
 
   tellReport(digests, folder.place(), console);

@@ -55,19 +55,33 @@ ResultsFolder::~ResultsFolder() {
 void ResultsFolder::commit() {
   writeResultsList(staging_);
   refuseForeign(place_);
-  if (renamed(RENAME_NOREPLACE)) {
+  if (renamed(place_, RENAME_NOREPLACE)) {
     staging_.clear();
     return;
   }
   // Something is there: exchange the two in one step, then the destructor removes the old one.
-  if (errno == EEXIST && renamed(RENAME_EXCHANGE)) return;
+  if (errno == EEXIST && renamed(place_, RENAME_EXCHANGE)) return;
   if (errno != EINVAL)
     throw std::system_error(errno, std::generic_category(), "cannot put the results to " + place_.string());
   commitInSteps();
 }
 
-bool ResultsFolder::renamed(unsigned flags) const {
-  return ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, place_.c_str(), flags) == 0;
+void ResultsFolder::commitTo(const fs::path& place) {
+  writeResultsList(staging_);
+  if (!renamed(place, RENAME_NOREPLACE)) {
+    if (errno != EINVAL)
+      throw std::system_error(errno, std::generic_category(), "cannot put the results to " + place.string());
+    // Drives of a network that know no such flag.
+    if (fs::exists(fs::symlink_status(place)))
+      throw std::system_error(EEXIST, std::generic_category(), "cannot put the results to " + place.string());
+    fs::rename(staging_, place);
+  }
+  place_ = place;
+  staging_.clear();
+}
+
+bool ResultsFolder::renamed(const fs::path& place, unsigned flags) const {
+  return ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, place.c_str(), flags) == 0;
 }
 
 /// Many drives of a network can neither exchange two names nor leave one that is taken alone. For a moment

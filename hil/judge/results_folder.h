@@ -29,9 +29,12 @@ class ResultsFolder {
   /// drives that cannot exchange two names (many of a network) in two. @throws std::system_error, or as
   /// refuseForeignResults() for what has come there meanwhile; the older one stays then.
   void commit();
+  /// Adds kResultsList and puts the folder to a place of its own, beside nothing of the same name.
+  /// @throws std::system_error, also where the place is taken.
+  void commitTo(const std::filesystem::path& place);
 
  private:
-  [[nodiscard]] bool renamed(unsigned flags) const;
+  [[nodiscard]] bool renamed(const std::filesystem::path& place, unsigned flags) const;
   void commitInSteps();
 
   std::filesystem::path place_;

@@ -18,6 +18,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kListHead =
+    "Results of kerfbench. The bench removes or replaces the folder only as long as it holds these files "
+    "alone:";
+/// Head of the lists of earlier benches.
+constexpr const char* kEarlierListHead =
     "Results of kerfbench. The next run of this name replaces the folder as long as it holds these files "
     "alone:";
 constexpr std::size_t kSumDigits = 64;
@@ -45,7 +49,7 @@ std::string sumOf(const fs::path& file) {
 std::optional<Sums> readList(const fs::path& folder) {
   std::ifstream file(folder / kResultsList);
   std::string line;
-  if (!std::getline(file, line) || line != kListHead) return std::nullopt;
+  if (!std::getline(file, line) || (line != kListHead && line != kEarlierListHead)) return std::nullopt;
   Sums sums;
   while (std::getline(file, line)) {
     const bool has_sum = line.find_first_not_of("0123456789abcdef") == kSumDigits &&
