@@ -65,6 +65,7 @@ class VerdictReader {
     run_.imperfections = text(json_.at("model"), "imperfections");
     run_.twin = text(json_.at("model"), "twin");
     const Json& versions = json_.at("versions");
+    (void)versions.get_ref<const Json::object_t&>();  // throws for what is no object
     run_.bench_version = textOr(versions, "kerfbench");
     run_.firmware_sha256 = textOr(versions, "firmware sha256");
     run_.firmware_version = textOr(versions, "controller");

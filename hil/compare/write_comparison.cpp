@@ -189,14 +189,14 @@ std::vector<std::string> comparisonLines(const ComparedReleases& compared) {
 std::string comparisonJson(const ComparedReleases& compared) {
   const Comparison& comparison = compared.comparison;
   OrderedJson json{{"schema_version", 1},
-            {"scenario", compared.old_release.runs.front().scenario},
-            {"worse", comparison.anythingWorse()},
-            {"summary", comparisonSummary(comparison)},
-            {"old", releaseJson(compared.old_release)},
-            {"new", releaseJson(compared.new_release)},
-            {"cautions", comparison.cautions},
-            {"threshold_z", std::round(comparison.threshold_z * 1000.0) / 1000.0},
-            {"told_apart", comparison.told_apart}};
+                   {"scenario", compared.old_release.runs.front().scenario},
+                   {"worse", comparison.anythingWorse()},
+                   {"summary", comparisonSummary(comparison)},
+                   {"old", releaseJson(compared.old_release)},
+                   {"new", releaseJson(compared.new_release)},
+                   {"cautions", comparison.cautions},
+                   {"threshold_z", std::round(comparison.threshold_z * 1000.0) / 1000.0},
+                   {"told_apart", comparison.told_apart}};
   OrderedJson verdicts = OrderedJson::array();
   for (const VerdictChange& change : comparison.verdicts) {
     verdicts.push_back({{"check", change.check},

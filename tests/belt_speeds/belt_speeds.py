@@ -78,7 +78,7 @@ class Run:
         if done.returncode == 65:
             self.reason = said.split("cannot be planned:", 1)[1].split("\n")[0].strip()
             return self
-        with open(os.path.join(folder, "results", self.name, "verdict.json"), encoding="utf-8") as file:
+        with open(os.path.join(folder, "results", self.name, "latest", "verdict.json"), encoding="utf-8") as file:
             verdict = json.load(file)
         for check in verdict["checks"]:
             if check["name"] in CHECKS and check.get("value") is not None:

@@ -35,7 +35,7 @@ class EndToEnd : public testing::Test {
     run(kFixtures / "plate.yaml", 0);
     run(kFixtures / "plate-gate-late.yaml", 1);
     run(part("plate"), 0);
-    writeFilm(kRuns / "film", filmOf(part("plate-camera"), kRuns / "plate-part" / "pins.vcd"));
+    writeFilm(kRuns / "film", filmOf(part("plate-camera"), kRuns / "plate-part" / "latest" / "pins.vcd"));
     ASSERT_TRUE(runGuest(KERFBENCH_GUEST_RECORD));
   }
   /// Runs a release whose pins the guest plays.
@@ -76,7 +76,7 @@ TEST_F(EndToEnd, AKnownBadReleaseOnTheKernelsPinsFailsForItsFault) {
 TEST_F(EndToEnd, AReplayOfARunInTheGuestHasItsDigest) {
   const nlohmann::json live = test::verdictOf(kShared / "plate-camera-part");
   EXPECT_EQ(live.at("verdict"), "PASS");
-  const test::ProgramRun done = replay("plate-camera-part/pins.vcd", "live", kRuns / "plate-camera.yaml");
+  const test::ProgramRun done = replay("plate-camera-part/latest/pins.vcd", "live", kRuns / "plate-camera.yaml");
   EXPECT_EQ(done.exit_code, 0) << done.output;
   EXPECT_EQ(test::verdictOf(kRuns / "live" / "plate-camera-part-replay").at("digest"), live.at("digest"));
 }

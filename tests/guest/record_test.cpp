@@ -53,7 +53,7 @@ std::vector<Stroke> strokesOf(const source::PinRecording& recording,
 class RecordTest : public testing::Test {
  protected:
   [[nodiscard]] std::vector<Stroke> strokesOfRun(const std::string& run) const {
-    return strokesOf(source::readVcd(fs::path(KERFBENCH_GUEST_RUNS) / run / "pins.vcd", map),
+    return strokesOf(source::readVcd(fs::path(KERFBENCH_GUEST_RUNS) / run / "latest" / "pins.vcd", map),
                      scenario::captureOptions(test_case.scenario.firmware.gpio, source::listChips()).wires,
                      map);
   }
@@ -118,7 +118,7 @@ TEST_F(RecordTest, ALineThatSomebodyElseHasIsToldByDoctorAndByRun) {
       test::kerfbench(fmt::format("run '{}' --results-dir /tmp/results", kScenario.string()));
   EXPECT_EQ(run.exit_code, 65) << run.output;
   EXPECT_THAT(run.output, HasSubstr("line 4 for laser_gate is taken by 'status LED'"));
-  EXPECT_FALSE(fs::exists("/tmp/results/plate-on-pins/verdict.json"));
+  EXPECT_FALSE(fs::exists("/tmp/results/plate-on-pins"));
 }
 
 TEST_F(RecordTest, ThePinsOfAGoodReleaseAreRecorded) { record("pins-plate", "good.vcd"); }

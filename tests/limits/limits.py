@@ -120,7 +120,7 @@ class Bench:
                                folder], capture_output=True, text=True)
         if done.returncode not in (0, 1, 3, 4):
             raise Broken(f"{name}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
-        return json.loads(read(os.path.join(folder, name, "verdict.json")))
+        return json.loads(read(os.path.join(folder, name, "latest", "verdict.json")))
 
     def recorded(self, job):
         """Pins of the job without its edit, on the machine as shipped: a fresh copy."""
@@ -134,7 +134,7 @@ class Bench:
                     if verdict["verdict"] != "PASS":
                         raise Broken(f"the flawless run is {verdict['verdict']}: {verdict['summary']}")
                     kept = os.path.join(self.folder, f"{len(self.recordings)}.vcd")
-                    os.replace(os.path.join(folder, "flawless", "pins.vcd"), kept)
+                    os.replace(os.path.join(folder, "flawless", "latest", "pins.vcd"), kept)
                     self.recordings[key] = kept
             return Recording(self.recordings[key])
 

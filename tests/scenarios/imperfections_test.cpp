@@ -41,7 +41,7 @@ TEST_F(Imperfections, AreDrawnBySeedAndToldWithTheirUnits) {
     EXPECT_NE(value.at("value").get<double>(), 0.0) << value;
     EXPECT_FALSE(value.at("unit").get<std::string>().empty()) << value;
   }
-  const std::string page = textOf(scratch_.path() / "one" / "line-ok-plate" / "report.html");
+  const std::string page = textOf(scratch_.path() / "one" / "line-ok-plate" / "latest" / "report.html");
   EXPECT_THAT(page, HasSubstr("Imperfections <b>dynamic</b>, seed 4, model <b>reference</b>"));
   EXPECT_THAT(page, HasSubstr("<td>" + drawn[0].at("name").get<std::string>() + "<td"));
 
@@ -49,7 +49,7 @@ TEST_F(Imperfections, AreDrawnBySeedAndToldWithTheirUnits) {
   EXPECT_NE(one.at("digest"), ideal.at("digest"));
   const auto replay = kerfbench(fmt::format(
       "replay '{}' --scenario '{}' --no-pictures --imperfections dynamic --seed 4 --results-dir '{}'",
-      (scratch_.path() / "one" / "line-ok-plate" / "pins.vcd").string(), plate(),
+      (scratch_.path() / "one" / "line-ok-plate" / "latest" / "pins.vcd").string(), plate(),
       (scratch_.path() / "again").string()));
   const auto again = verdictOf(scratch_.path() / "again" / "line-ok-plate-replay");
   EXPECT_EQ(again.at("digest"), one.at("digest")) << replay.output;

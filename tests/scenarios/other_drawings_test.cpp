@@ -110,7 +110,7 @@ fs::path pinsOfCarton(const fs::path& drawing, const std::string& keys, const Sc
   EXPECT_EQ(run.exit_code, 0) << run.output;
   const std::vector<std::string> passing = checksThat(verdictOf(scratch.path() / "carton"), "PASS");
   for (const char* check : {"path", "coverage", "stray", "depth"}) EXPECT_THAT(passing, Contains(check));
-  return scratch.path() / "carton" / "pins.vcd";
+  return scratch.path() / "carton" / "latest" / "pins.vcd";
 }
 
 /// Half as large, so that the page lies within the field: its origin is a corner of the page.

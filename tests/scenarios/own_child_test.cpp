@@ -56,7 +56,7 @@ TEST(OwnChild, IsJudgedByItsPinsAsAnEmulatorIs) {
   const ProgramRun emulated =
       fastRunOf(scenarioWith("pins/plate.yaml", "name: emulated\n", scratch), scratch);
   ASSERT_EQ(emulated.exit_code, 0) << emulated.output;
-  std::ofstream(scratch.path() / "plate.txt") << scriptOf(scratch.path() / "emulated/pins.vcd");
+  std::ofstream(scratch.path() / "plate.txt") << scriptOf(scratch.path() / "emulated/latest/pins.vcd");
   const ProgramRun own = fastRunOf(
       scenarioWith(
           "pins/plate.yaml",

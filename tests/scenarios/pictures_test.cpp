@@ -48,7 +48,7 @@ class Pictures : public testing::Test {
     EXPECT_TRUE(fs::is_empty(temporary_)) << "something was left behind";
     return run;
   }
-  [[nodiscard]] fs::path folder() const { return scratch_.path() / "short-lines"; }
+  [[nodiscard]] fs::path folder() const { return scratch_.path() / "short-lines" / "latest"; }
   [[nodiscard]] bool made() const {
     EXPECT_EQ(fs::exists(folder() / "machine.png"), fs::exists(folder() / "board.png"));
     const std::string page = textOf(folder() / "report.html");

@@ -115,7 +115,7 @@ TEST(RealCamera, ShowsWhereTheMachineAndItsModelPart) {
       kerfbench(fmt::format("replay '{}' --scenario '{}' -q --no-pictures --results-dir '{}'",
                             (scratch.path() / "pins.vcd").string(),
                             fixture("scenarios/native/label-camera.yaml").string(), scratch.path().string()));
-  const auto results = scratch.path() / "label-camera-replay";
+  const auto results = scratch.path() / "label-camera-replay" / "latest";
   const auto verdict = verdictOf(results);
   ASSERT_FALSE(verdict.is_null()) << replay.output;
   double frames = 0.0;

@@ -143,7 +143,7 @@ TEST_F(PinsToVerdict, AGoodReleasePassesAndItsCaptureReplayedHasTheSameDigest) {
   EXPECT_EQ(captureOnPins(pins(good_->kernel()), captureOptions(*good_)), 0);
   EXPECT_EQ(replay(*good_), 0);
   EXPECT_EQ(verdict("good-pins-replay").at("digest"), live.at("digest"));
-  EXPECT_TRUE(same(results_.path() / "heard" / "pins.vcd", results_.path() / "good-pins" / "pins.vcd"));
+  EXPECT_TRUE(same(results_.path() / "heard" / "pins.vcd", results_.path() / "good-pins" / "latest" / "pins.vcd"));
 }
 
 TEST_F(PinsToVerdict, ABadReleaseFails) {
@@ -237,7 +237,7 @@ TEST_F(PinsToVerdict, AnEdgeThatIsMissingMakesRunAndCaptureAndReplayInvalid) {
   EXPECT_EQ(replayed.at("digest"), live.at("digest"));
   // The recording of the replay cannot make it clean either.
   EXPECT_TRUE(
-      same(results_.path() / "good-pins-replay" / "pins.vcd", results_.path() / "good-pins" / "pins.vcd"));
+      same(results_.path() / "good-pins-replay" / "latest" / "pins.vcd", results_.path() / "good-pins" / "latest" / "pins.vcd"));
 }
 
 TEST_F(PinsToVerdict, ACaptureHoldsTheRecordingAndItsScenarioAndNoMore) {
@@ -340,7 +340,7 @@ TEST_F(PinsToVerdict, ASessionBySigrokIsJudgedAsTheRecordingIs) {
   if (std::system("command -v sigrok-cli >/dev/null 2>&1") != 0)
     GTEST_SKIP() << "sigrok-cli is not installed";
   const auto judged = [&](const ReleasedPins& release, const std::string& name, int every) {
-    const fs::path vcd = scratch_->path() / (name + "-pins") / "pins.vcd";
+    const fs::path vcd = scratch_->path() / (name + "-pins") / "latest" / "pins.vcd";
     const fs::path session = results_.path() / (name + ".sr");
     const std::string convert =
         fmt::format("sigrok-cli -I vcd:downsample={} -i '{}' -O srzip -o '{}' >/dev/null 2>&1", every,

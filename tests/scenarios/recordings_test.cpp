@@ -28,8 +28,8 @@ TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
                                          scenario, scratch.path().string()));
   ASSERT_EQ(one.exit_code, 0) << one.output;
   ASSERT_EQ(two.exit_code, 0) << two.output;
-  const auto first = scratch.path() / "one" / "short-lines";
-  const auto second = scratch.path() / "two" / "short-lines";
+  const auto first = scratch.path() / "one" / "short-lines" / "latest";
+  const auto second = scratch.path() / "two" / "short-lines" / "latest";
   EXPECT_EQ(digestOf(first), digestOf(second));
   // One verdict has pictures, the other has none: they are no part of the digest.
   for (const char* picture : {"machine.png", "board.png"}) {
@@ -41,7 +41,7 @@ TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
       kerfbench(fmt::format("replay '{}' --scenario '{}' -q --no-pictures --results-dir '{}/three'",
                             (first / "pins.vcd").string(), scenario, scratch.path().string()));
   ASSERT_EQ(replay.exit_code, 0) << replay.output;
-  EXPECT_EQ(digestOf(first), digestOf(scratch.path() / "three" / "short-lines-replay"));
+  EXPECT_EQ(digestOf(first), digestOf(scratch.path() / "three" / "short-lines-replay" / "latest"));
 }
 
 std::string verdictOfCheck(const std::filesystem::path& results, const std::string& name) {
@@ -64,7 +64,7 @@ Twice runAndReplay(const std::string& file, const std::string& name, const Scrat
   const std::string scenario = fixture("scenarios/" + file).string();
   const std::string options =
       fmt::format("--twin fast -q --no-pictures --results-dir '{}'", scratch.path().string());
-  Twice twice{.live = scratch.path() / name, .replayed = scratch.path() / (name + "-replay")};
+  Twice twice{.live = scratch.path() / name / "latest", .replayed = scratch.path() / (name + "-replay") / "latest"};
   const auto run = kerfbench(fmt::format("run '{}' {}", scenario, options));
   const auto replay = kerfbench(
       fmt::format("replay '{}' --scenario '{}' {}", (twice.live / "pins.vcd").string(), scenario, options));
@@ -175,7 +175,7 @@ TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
       kerfbench(fmt::format("run '{}' -q --no-pictures --results-dir '{}'",
                             fixture("scenarios/short-lines.yaml").string(), scratch.path().string()));
   ASSERT_EQ(run.exit_code, 0) << run.output;
-  const auto results = scratch.path() / "short-lines";
+  const auto results = scratch.path() / "short-lines" / "latest";
   const std::string vcd = (results / "pins.vcd").string();
   const std::string fst = (scratch.path() / "pins.fst").string();
   EXPECT_EQ(outputOf(fmt::format("vcd2fst '{}' '{}' 2>&1 >/dev/null", vcd, fst)), "");
@@ -207,8 +207,8 @@ TEST(Recordings, GiveAnotherDigestForAnotherSeed) {
                             scratch.path().string()));
   ASSERT_EQ(one.exit_code, 0) << one.output;
   ASSERT_EQ(two.exit_code, 0) << two.output;
-  EXPECT_NE(digestOf(scratch.path() / "one" / "short-lines"),
-            digestOf(scratch.path() / "two" / "short-lines"));
+  EXPECT_NE(digestOf(scratch.path() / "one" / "short-lines" / "latest"),
+            digestOf(scratch.path() / "two" / "short-lines" / "latest"));
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ ReleasedPins::ReleasedPins(const fs::path& folder, const std::string& name, cons
   fs::create_directories(folder);
   const ProgramRun run = kerfbench(fmt::format("run '{}' --twin fast -q --no-pictures --results-dir '{}'",
                                                scenario("{source: native}").string(), folder.string()));
-  const fs::path vcd = folder / (name + "-pins") / "pins.vcd";
+  const fs::path vcd = folder / (name + "-pins") / "latest" / "pins.vcd";
   if (!fs::exists(vcd)) throw std::runtime_error(run.output);
   recording_ = source::readVcd(vcd, map_);
 }

@@ -87,7 +87,8 @@ std::string textOf(const fs::path& path) {
 }
 
 nlohmann::json verdictOf(const fs::path& results) {
-  std::ifstream file(results / "verdict.json");
+  const fs::path latest = results / "latest";
+  std::ifstream file((fs::exists(latest) ? latest : results) / "verdict.json");
   return nlohmann::json::parse(file);
 }
 

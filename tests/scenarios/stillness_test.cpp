@@ -137,7 +137,7 @@ void StripStillness::expectABow() const {
     // The peaks are about zero: the bow and the constant offset of a flawless run, which is less than a step.
     EXPECT_NEAR(c.at("peak_mm").get<double>(), 1.76 + 0.01, c.at("peak_U_mm").get<double>() + 0.1);
   }
-  std::ifstream file(scratch_.path() / "strip" / "report.html", std::ios::binary);
+  std::ifstream file(scratch_.path() / "strip" / "latest" / "report.html", std::ios::binary);
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   EXPECT_THAT(page, AllOf(HasSubstr("x of spot and sheet over time, and their difference"),
                           HasSubstr("class='dots sheetdots'"),

@@ -64,8 +64,8 @@ TEST_F(Stm32ReleaseLong, PulsesAreThoseOfTheNativeReleaseWithinTheStampsError) {
       machine.string());
   const ProgramRun own = fastRunOf(scenarioWith("native/button.yaml", keys, scratch_), scratch_);
   ASSERT_EQ(own.exit_code, 0) << own.output;
-  const auto expected = risesOf(scratch_.path() / "button" / "pins.vcd");
-  const auto found = risesOf(scratch_.path() / "button-stm32" / "pins.vcd");
+  const auto expected = risesOf(scratch_.path() / "button" / "latest" / "pins.vcd");
+  const auto found = risesOf(scratch_.path() / "button-stm32" / "latest" / "pins.vcd");
   constexpr double kStampError_s = 24 / 72e6;  // docs/reference/cortex-m-controllers.md
   for (const char* signal : {"galvo_x_pul", "galvo_y_pul", "laser_gate", "laser_pwm"}) {
     const auto& native_s = expected.at(signal);

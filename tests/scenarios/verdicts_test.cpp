@@ -75,7 +75,7 @@ void invertedXFails(const std::string& belt) {
   const std::filesystem::path scenario =
       scenarioWith("native/label-on-belt.yaml", "name: label\nprint: {units: 1}\n" + belt, scratch);
   ASSERT_EQ(fastRunOf(scenario, scratch).exit_code, 0);
-  invert({"galvo_x_dir"}, scratch.path() / "label/pins.vcd", scratch.path() / "inverted.vcd");
+  invert({"galvo_x_dir"}, scratch.path() / "label/latest/pins.vcd", scratch.path() / "inverted.vcd");
   const ProgramRun run = fastReplayOf(scratch.path() / "inverted.vcd", scenario, scratch);
   EXPECT_EQ(run.exit_code, 1) << run.output;
   const nlohmann::json verdict = verdictOf(scratch.path() / "label-replay");
@@ -168,7 +168,7 @@ TEST(GoodRelease, ARecordingOfOneSenseOfDirFailsOnAMachineOfTheOther) {
   const ScratchFolder scratch;
   ASSERT_EQ(runOfLevels("galvo_y: {dir_low: true}\n", scratch).exit_code, 0);
   const ProgramRun run = fastReplayOf(
-      scratch.path() / "levels/pins.vcd",
+      scratch.path() / "levels/latest/pins.vcd",
       scenarioWith("native/label-on-belt.yaml", "name: usual\nprint: {units: 1}\n", scratch), scratch);
   EXPECT_EQ(run.exit_code, 1) << run.output;
 }
@@ -184,14 +184,14 @@ TEST(GoodRelease, ALaserThatListensToLowLevelsIsJudgedByThem) {
       << "extends: " << fixture("machines/two-mirror.yaml").string()
       << "\nname: low\nlaser: {gate_low: true, pwm_low: true}\n";
   const std::filesystem::path inverted = scratch.path() / "inverted.vcd";
-  invert({"laser_gate", "laser_pwm"}, scratch.path() / "high/pins.vcd", inverted);
+  invert({"laser_gate", "laser_pwm"}, scratch.path() / "high/latest/pins.vcd", inverted);
   const ProgramRun low = fastReplayOf(inverted, scenario("low", "machine: machine.yaml\n"), scratch);
   EXPECT_EQ(low.exit_code, 0) << low.output;
   EXPECT_EQ(verdictOf(scratch.path() / "low-replay").at("checks"),
             verdictOf(scratch.path() / "high").at("checks"));
 
   const ProgramRun wrong =
-      fastReplayOf(scratch.path() / "high/pins.vcd", scenario("wrong", "machine: machine.yaml\n"), scratch);
+      fastReplayOf(scratch.path() / "high/latest/pins.vcd", scenario("wrong", "machine: machine.yaml\n"), scratch);
   EXPECT_EQ(wrong.exit_code, 1) << wrong.output;
   EXPECT_THAT(verdictOf(scratch.path() / "wrong-replay").at("likely_cause").get<std::string>(),
               testing::StartsWith("The laser's gate is open between the cuts and closed in them: invert the "

@@ -69,7 +69,7 @@ class Verify : public testing::Test {
 
   const ScratchFolder scratch_;
   const fs::path scenario_ = scratch_.path() / "label.yaml";
-  const fs::path results_ = scratch_.path() / "label";
+  const fs::path results_ = scratch_.path() / "label" / "latest";
 };
 
 TEST_F(Verify, ResultsOfARunAndOfItsReplayAreWhatTheyWere) {

@@ -57,7 +57,7 @@ class Outcome:
 
     @classmethod
     def of(cls, results):
-        with open(os.path.join(results, "verdict.json"), encoding="utf-8") as file:
+        with open(os.path.join(results, "latest", "verdict.json"), encoding="utf-8") as file:
             verdict = json.load(file)
         invalid = [check["explanation"] for check in verdict["checks"] if check["verdict"] == "INVALID"]
         return cls(verdict["verdict"], [c["name"] for c in verdict["checks"] if c["verdict"] == "FAIL"],
@@ -148,13 +148,13 @@ class Bench:
             shutil.copy(os.path.join(FIXTURES, fixture), self.path(name, file))
         self.judge("run", self.path(name, "scenario.yaml"), folder=self.path("good"))
         good = Outcome.of(self.path("good", name))
-        again = self.replayed(self.path("good", name, "pins.vcd"), self.path(name))
+        again = self.replayed(self.path("good", name, "latest", "pins.vcd"), self.path(name))
         if (good.word, again.word, again.digests) != ("PASS", "PASS", good.digests):
             raise Broken(f"{name}: the good run is {good.word}, its replay {again.word}, digests {good.digests}, {again.digests}")
         self.base[name] = good.digests
-        with open(self.path("good", name, "pins.vcd"), encoding="utf-8") as file:
+        with open(self.path("good", name, "latest", "pins.vcd"), encoding="utf-8") as file:
             self.recordings[name] = Recording(file.read())
-        shutil.copy(self.path("good", name, "pins.vcd"), self.path(name, "pins.vcd"))
+        shutil.copy(self.path("good", name, "latest", "pins.vcd"), self.path(name, "pins.vcd"))
 
     def _photograph(self):
         """Pictures of the sheet at rest, of another good one and of a bad one; from here on the case has the first."""
@@ -220,7 +220,7 @@ class Bench:
         for form in ("edited", "listed anew"):
             with tempfile.TemporaryDirectory(dir=self.folder) as folder:
                 copy = os.path.join(folder, "moving")
-                shutil.copytree(self.path("good", "moving"), copy)
+                shutil.copytree(self.path("good", "moving", "latest"), copy)
                 edit.apply(copy)
                 if form == "listed anew":
                     if not os.path.exists(os.path.join(copy, result_edits.LIST)):

@@ -89,7 +89,7 @@ def run_job(bench, sheet):
     """Recorded pins of the job."""
     bench.call("run", write_job(bench, sheet), "--no-pictures", "--twin", "fast", "--jobs", "1", "--results-dir",
                bench.path("results"), good=VERDICTS)
-    return bench.path("results", "job", "pins.vcd")
+    return bench.path("results", "job", "latest", "pins.vcd")
 
 
 def judge(bench, sheet, lens, case, picture, name, pins):
@@ -107,5 +107,5 @@ def judge(bench, sheet, lens, case, picture, name, pins):
         f"cameras: {{kerf: {{source: tiles, folder: {lens.name}/{name}}}}}\n"))
     bench.call("replay", pins, "--scenario", scenario, "--no-pictures", "--twin", "fast", "--jobs", "1", "--results-dir",
                bench.path("results"), good=VERDICTS)
-    with open(bench.path("results", f"{lens.name}-{name}-replay", "verdict.json"), encoding="utf-8") as file:
+    with open(bench.path("results", f"{lens.name}-{name}-replay", "latest", "verdict.json"), encoding="utf-8") as file:
         return json.load(file)

@@ -120,10 +120,23 @@ fs::path written(const base::TempFolder& temp) {
 TEST(ResultsList, HasTheSumsThatSha256sumPrints) {
   const base::TempFolder temp;
   EXPECT_EQ(base::contentOf(written(temp) / kResultsList),
-            "Results of kerfbench. The next run of this name replaces the folder as long as it holds these "
+            "Results of kerfbench. The bench removes or replaces the folder only as long as it holds these "
             "files alone:\n"
             "5feceb66ffc86f38d952786c6d696c79c2dbc239dd4e91b46729d73a27fb57e9  spot/frames\n"
             "44136fa355b3678a1146ad16f7e8649e94fb4fc21fe77e8310c060f61caaff8a  verdict.json\n");
+}
+
+// The head line of earlier benches.
+TEST(ResultsList, OfAnEarlierBenchIsRead) {
+  const base::TempFolder temp;
+  const fs::path folder = written(temp);
+  const std::string list = base::contentOf(folder / kResultsList);
+  write(folder / kResultsList,
+        "Results of kerfbench. The next run of this name replaces the folder as long as it holds these files "
+        "alone:" +
+            list.substr(list.find('\n')));
+  EXPECT_EQ(changedSinceListed(folder), std::vector<std::string>());
+  EXPECT_EQ(foreignIn(folder), "");
 }
 
 TEST(ResultsList, TellsWhatWasChangedTakenAwayAndAdded) {

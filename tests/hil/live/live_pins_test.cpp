@@ -75,7 +75,7 @@ class LivePinsTest : public testing::Test {
   std::vector<std::string> problems() const { return verdict()["problems"]; }
   /// Expects that a replay of the recording agrees with the live run.
   void expectReplayAgrees(int live_code) {
-    const auto recording = options.results_dir / "on-pins" / "pins.vcd";
+    const auto recording = options.results_dir / "on-pins" / "latest" / "pins.vcd";
     EXPECT_EQ(app::replayCommand({recording, scenario, {}, {}}, options), live_code);
     EXPECT_EQ(verdict("on-pins-replay")["verdict"], verdict()["verdict"]);
   }
@@ -126,7 +126,7 @@ TEST_F(LivePinsTest, AGoodReleaseBehindASlowAdapterPasses) {
   EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
   // The declaration of a quicker line is accepted.
   write("  uart_delay_ms: 0\n");
-  EXPECT_EQ(app::replayCommand({options.results_dir / "on-pins" / "pins.vcd", scenario, {}, {}}, options), 1);
+  EXPECT_EQ(app::replayCommand({options.results_dir / "on-pins" / "latest" / "pins.vcd", scenario, {}, {}}, options), 1);
 }
 
 /// Runs that cannot end well: the evidence is INVALID and states why, and a replay of it is INVALID as well.
