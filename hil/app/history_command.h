@@ -11,7 +11,7 @@ namespace kerfbench::app {
 /// Where the runs of a scenario are.
 struct HistoryPlace {
   std::filesystem::path results_dir{"results"};
-  std::string name;  ///< Of the scenario, or the path of its folder.
+  std::string name;  ///< The scenario's, or the path of its folder.
 
   /// results_dir/name, or name where it is a folder.
   [[nodiscard]] std::filesystem::path folder() const;

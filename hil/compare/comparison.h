@@ -40,7 +40,7 @@ struct VerdictChange {
 /// Comparison of a new release with an old one.
 struct Comparison {
   std::vector<Difference> differences;  ///< The most significant first.
-  std::vector<VerdictChange> verdicts;  ///< By check.
+  std::vector<VerdictChange> verdicts;  ///< Sorted by check.
   /// What is compared with care: other machine, job or bench; machines sampled anew by another seed.
   std::vector<std::string> cautions;
   /// A difference counts whose z is beyond this: all m figures of a comparison together raise a false alarm

@@ -48,7 +48,7 @@ struct RunFigures {
   std::string imperfections, twin;
   std::uint64_t seed{};
   std::map<std::string, std::string> inputs;      ///< File as seen from the scenario -> SHA-256.
-  std::map<std::string, CheckVerdict> checks;     ///< By name.
+  std::map<std::string, CheckVerdict> checks;     ///< Keys are their names.
   std::map<std::string, std::string> not_judged;  ///< Checks that apply and were not judged -> why.
   std::vector<Figure> figures;                    ///< Each place and quantity once.
 };

@@ -47,7 +47,7 @@ ProgramRun fastRunOf(const std::filesystem::path& scenario, const ScratchFolder&
                      const std::string& options = "");
 /// Text of a file; empty if there is none.
 std::string textOf(const std::filesystem::path& path);
-/// Of one run, or of the latest of a scenario.
+/// Verdict of one run, or of the latest of a scenario.
 nlohmann::json verdictOf(const std::filesystem::path& results);
 /// Names of the checks with this verdict.
 std::vector<std::string> checksThat(const nlohmann::json& verdict, const std::string& which);
