@@ -173,13 +173,13 @@ int concludeUnrun(const scenario::Case& test_case, const std::string& folder_nam
   report.model = modelFacts(test_case.scenario, {});
   report.result.verdict = inspect::Verdict::kInvalid;
   report.result.problems = problems;
-  ResultsFolder folder(options.results_dir, folder_name);
+  RunFolder folder(options.results_dir, folder_name);
   base::writeFileAtomically(folder.staging() / "scenario.yaml", test_case.scenario.text);
   tellVerdict(report, console);
   report.timing = stopwatch.stages();
   const report::Digests digests = report::digestsOf(report);
   report::writeReports(report, digests, folder.staging(), options.jobs);
-  folder.commit();
+  folder.commit(std::chrono::system_clock::now(), digests.results);
   tellReport(digests, folder.place(), console);
   return inspect::exitCode(report.result.verdict);
 }

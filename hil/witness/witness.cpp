@@ -9,6 +9,7 @@
 #include "hil/base/exit_codes.h"
 #include "hil/base/text.h"
 #include "hil/dieline/file_format.h"
+#include "hil/dieline/read.h"
 #include "hil/witness/compare.h"
 
 namespace kerfbench::witness {
@@ -43,6 +44,13 @@ std::vector<std::string> commandFor(const dieline::Dieline& dieline, const dieli
   command.emplace_back("--");
   command.push_back(fs::absolute(dieline.path).string());
   return command;
+}
+
+/// The reading with the lines that were left out because they repeat others: the second reader has them all.
+dieline::Dieline wholeReading(const dieline::Dieline& dieline, dieline::DrawingOptions options) {
+  if (!options.once) return dieline;
+  options.once = false;
+  return dieline::readDieline(dieline.path, options);
 }
 
 Testimony broken(const std::string& sentence) { return {Testimony::Kind::kBroken, {sentence}}; }
@@ -140,7 +148,7 @@ Testimony testimonyOf(const dieline::Dieline& dieline, const dieline::DrawingOpt
                      base::printable(second.refused, 300))}};
   }
   const FileFormat format = *dieline::fileFormatOf(dieline.path);
-  const Comparison compared = compareReadings(dieline, second, options, format);
+  const Comparison compared = compareReadings(wholeReading(dieline, options), second, options, format);
   return compared.partings.empty() ? agreement(second, compared, format) : parting(second, compared);
 }
 
