@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <numeric>
-#include <unordered_map>
-#include <unordered_set>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "hil/dieline/curve_math.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/lint_items.h"
+#include "hil/dieline/lint_near.h"
 #include "hil/dieline/read.h"
 
 namespace kerfbench::dieline {
@@ -18,16 +19,22 @@ namespace {
 using Eigen::Vector2d;
 using Kind = LintFinding::Kind;
 
-/// Pairs of neighbours that are looked at, of curves and of ends: so many, and more for each curve. A drawing
-/// with more is no drawing but a heap of lines on each other.
-constexpr std::size_t kMostPairs = 40'000'000;
-constexpr std::size_t kMostPairsOfOne = 50;
+/// Looks at neighbours and at nodes of the search for them: so many, and more for each curve. A drawing that needs
+/// more is no drawing but a heap of lines on each other.
+constexpr std::size_t kMostLooks = 300'000'000;
+constexpr std::size_t kMostLooksOfOne = 500;
+constexpr std::size_t kMostAlike = 32;
+constexpr std::uint64_t kItemsToldOf = 50'000;  // Checked in an instant.
 
 class Checker {
  public:
-  Checker(const Dieline& dieline, std::size_t most) : items_(lintItems(dieline)), store_(items_, most) {
-    if (!items_.empty()) boxes_ = LintBoxes(items_);
-  }
+  Checker(const Dieline& dieline, std::size_t most, const base::ProgressFn& progress)
+      : items_(lintItems(dieline)),
+        budget_{kMostLooks + kMostLooksOfOne * items_.size()},
+        near_(items_, budget_),
+        store_(items_, most),
+        progress_(progress, "checking " + std::filesystem::path(dieline.path).filename().string(),
+                  2 * items_.size(), kItemsToldOf) {}
 
   LintReport run() && {
     if (items_.empty()) {
@@ -35,57 +42,143 @@ class Checker {
                              "The dieline holds nothing to cut or crease."});
       return std::move(store_).report();
     }
+    std::vector<std::uint32_t> zeros;
     for (std::uint32_t i = 0; i < items_.size(); ++i) {
-      const LintItem& item = items_[i];
-      if (item.is_zero)
-        store_.add({Kind::kZeroLength, true, !item.isCut(), item.samples[0], i, i, item.length_mm});
+      if (items_[i].is_zero) zeros.push_back(i);
     }
+    std::sort(zeros.begin(), zeros.end(), [&](auto a, auto b) { return items_[a].number < items_[b].number; });
+    for (const std::uint32_t i : zeros) {
+      const LintItem& item = items_[i];
+      store_.add({Kind::kZeroLength, true, !item.isCut(), item.samples[0], i, i, item.length_mm});
+    }
+    met_.resize(2 * items_.size());
+    chain_.resize(items_.size());
+    std::iota(chain_.begin(), chain_.end(), 0U);
     checkPairs();
     checkEnds();
     checkSize();
-    if (pairs_ > mostPairs()) {
+    if (budget_.isSpent()) {
       store_.add(LintFinding{
-          Kind::kOverlap, true, items_[0].samples[0], "",
-          fmt::format(
-              "More than {} pairs of lines are near each other: not all were compared. Are there copies "
-              "on each other?",
-              mostPairs())});
+          Kind::kOverlap, true, firstDrawn().samples[0], "",
+          fmt::format("More than {} looks at lines near each other: not all were compared. Are there copies on "
+                      "each other?",
+                      budget_.most)});
     }
     return std::move(store_).report();
   }
 
  private:
-  /// Counts one more pair; false when there were too many.
-  bool mayLook() { return ++pairs_ <= mostPairs(); }
-  [[nodiscard]] std::size_t mostPairs() const { return kMostPairs + kMostPairsOfOne * items_.size(); }
+  [[nodiscard]] const LintItem& firstDrawn() const {
+    return *std::min_element(items_.begin(), items_.end(),
+                             [](const LintItem& a, const LintItem& b) { return a.number < b.number; });
+  }
 
-  /// All pairs whose boxes touch, in order along x. A curve that repeats another is compared with no third.
+  /// Two items that may share a length, the one that comes first along x first.
+  struct Pair {
+    std::uint32_t rank{};  ///< Place of the first along x.
+    std::uint32_t first{};
+    std::uint32_t second{};
+  };
+
+  /// All pairs that may share a length. They are looked for from neighbour to neighbour, and compared in order
+  /// along x: a curve that repeats another is compared with no third. Where many are alike, they are looked for
+  /// then, as most of them are such copies.
   void checkPairs() {
-    std::vector<std::uint32_t> order(items_.size());
-    std::iota(order.begin(), order.end(), 0U);
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return items_[a].box.min().x() < items_[b].box.min().x();
-    });
-    std::vector<std::uint32_t> rank(items_.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
-    std::vector<bool> is_copy(items_.size(), false);
-    std::vector<std::uint32_t> near;
-    for (std::uint32_t i = 0; i < order.size(); ++i) {
-      const LintItem& a = items_[order[i]];
-      if (a.is_zero || is_copy[order[i]]) continue;
-      const Eigen::AlignedBox2d touched(a.box.min().array() - kSame_mm, a.box.max().array() + kSame_mm);
-      near.clear();
-      boxes_.any(touched, [&](std::size_t item) {
-        if (rank[item] > i && !items_[item].is_zero && touched.intersects(items_[item].box))
-          near.push_back(rank[item]);
-        return !mayLook();
-      });
-      for (const std::uint32_t k : near) {
-        if (is_copy[order[k]]) continue;
-        const auto [first, second] = std::minmax(order[i], order[k]);
-        is_copy[order[k]] = checkPair(first, second);
+    const std::vector<std::uint32_t> rank = ranksAlongX();
+    std::vector<Pair> pairs;
+    const auto add = [&](std::uint32_t a, std::uint32_t b) {
+      pairs.push_back(rank[a] < rank[b] ? Pair{rank[a], a, b} : Pair{rank[b], b, a});
+    };
+    std::vector<std::uint32_t> like;
+    for (std::uint32_t i = 0; i < items_.size(); ++i) {
+      progress_.done(i);
+      if (items_[i].is_zero || (isLintLine(items_[i]) && lookAlong(i, add))) continue;
+      if (near_.like(i, kMostAlike, like)) {
+        for (const std::uint32_t other : like) add(i, other);
+      } else {
+        pairs.push_back({rank[i], i, i});
       }
     }
+    std::sort(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) {
+      return a.rank != b.rank ? a.rank < b.rank : items_[a.second].number < items_[b.second].number;
+    });
+    const auto last = std::unique(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+      return a.first == b.first && a.second == b.second;
+    });
+    pairs.erase(last, pairs.end());
+    comparePairs(pairs, rank);
+  }
+
+  void comparePairs(const std::vector<Pair>& pairs, const std::vector<std::uint32_t>& rank) {
+    std::vector<std::uint32_t> like;
+    std::vector<bool> is_copy(items_.size(), false);
+    const auto compare = [&](std::uint32_t a, std::uint32_t b) {
+      if (is_copy[a] || is_copy[b]) return;
+      is_copy[b] = items_[a].number < items_[b].number ? checkPair(a, b) : checkPair(b, a);
+    };
+    for (const Pair& pair : pairs) {
+      if (pair.first != pair.second) {
+        compare(pair.first, pair.second);
+      } else if (!is_copy[pair.first]) {
+        near_.like(pair.first, kAllFindings, like);
+        for (const std::uint32_t other : like) {
+          if (rank[other] > pair.rank && budget_.take()) compare(pair.first, other);
+        }
+      }
+    }
+  }
+
+  /// Notes what ends on a line, and adds those with which it may share a length. False where too much ends there.
+  template <class Add>
+  bool lookAlong(std::uint32_t i, const Add& add) {
+    if (!near_.onLine(i, kMostAlike, on_line_)) {
+      has_crowded_ = true;
+      return false;
+    }
+    const LintItem& item = items_[i];
+    for (const LintEnd& end : on_line_) {
+      const LintItem& other = items_[end.item];
+      const Vector2d& p_mm = other.samples.at(end.sample);
+      if (isLintLine(other) && near_.mayShare(i, end.item)) add(i, end.item);
+      if (nearestOn(item.entity->curve, p_mm).distance_mm > kMet_mm) continue;
+      met_[slotOf(end)].lines_any = true;
+      if (item.isCut()) met_[slotOf(end)].lines_cut = true;
+      for (const std::uint32_t s : {0U, 4U}) {
+        if ((item.samples.at(s) - p_mm).norm() <= kMet_mm) meet({i, s}, end.item);
+      }
+    }
+    met_[slotOf({i, 0})].is_known = met_[slotOf({i, 4})].is_known = true;
+    return true;
+  }
+
+  /// Notes that an end of an item is where another item ends; joins cuts.
+  void meet(const LintEnd& end, std::uint32_t other) {
+    met_[slotOf(end)].ends_any = true;
+    if (!items_[end.item].isCut() || !items_[other].isCut()) return;
+    met_[slotOf(end)].ends_cut = true;
+    chain_[root(end.item)] = root(other);
+  }
+
+  static std::size_t slotOf(const LintEnd& end) {
+    return 2 * static_cast<std::size_t>(end.item) + (end.sample == 0 ? 0 : 1);
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> ranksAlongX() const {
+    struct Place {
+      double x_mm;
+      std::uint32_t number;
+      std::uint32_t item;
+    };
+    std::vector<Place> order;
+    order.reserve(items_.size());
+    for (std::uint32_t i = 0; i < items_.size(); ++i)
+      order.push_back({items_[i].box.min().x(), items_[i].number, i});
+    std::sort(order.begin(), order.end(), [](const Place& a, const Place& b) {
+      return a.x_mm != b.x_mm ? a.x_mm < b.x_mm : a.number < b.number;
+    });
+    std::vector<std::uint32_t> rank(items_.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) rank[order[i].item] = i;
+    return rank;
   }
 
   /// True where the two are the same curve.
@@ -106,46 +199,35 @@ class Checker {
     return false;
   }
 
-  /// What the end of a curve meets.
-  struct Met {
-    bool any{};
-    bool cut{};
-  };
-
-  /// Other entities that a point lies on (a tee joint).
-  Met metOnWay(std::size_t self, const Vector2d& p_mm, bool needs_cut) {
-    Met met;
-    const Eigen::AlignedBox2d around(p_mm.array() - kMet_mm, p_mm.array() + kMet_mm);
-    boxes_.any(around, [&](std::size_t i) {
-      if (!mayLook()) return true;
+  /// Looks for what else an end lies on (a tee joint): curves, and lines on which too much ends.
+  void meetOnWay(const LintEnd& end) {
+    EndMet& met = met_[slotOf(end)];
+    const Vector2d& p_mm = items_[end.item].samples.at(end.sample);
+    const bool needs_cut = items_[end.item].isCut();
+    if (needs_cut ? met.lines_cut : met.lines_any) return;
+    near_.through(p_mm, has_crowded_, [&](std::size_t i) {
       const LintItem& item = items_[i];
-      if (i == self || item.is_zero || item.box.squaredExteriorDistance(p_mm) > kMet_mm * kMet_mm)
-        return false;
-      if (met.any && !item.isCut()) return false;
+      if (i == end.item || (met.lines_any && !item.isCut())) return false;
       if (nearestOn(item.entity->curve, p_mm).distance_mm > kMet_mm) return false;
-      met.any = true;
-      met.cut = met.cut || item.isCut();
-      return met.cut || !needs_cut;
+      met.lines_any = true;
+      met.lines_cut = met.lines_cut || item.isCut();
+      return met.lines_cut || !needs_cut;
     });
-    return met;
   }
 
-  /// Ends of other entities at a point; joins cuts that meet there.
-  Met metAtEnds(const LintEndGrid& grid, std::uint32_t self, const Vector2d& p_mm) {
-    Met met;
-    const bool is_cut = items_[self].isCut();
-    grid.near(p_mm, [&](const LintEnd& end) {
-      if (!mayLook()) return true;
-      const LintItem& other = items_[end.item];
-      if (end.item == self || (other.samples.at(end.sample) - p_mm).norm() > kMet_mm) return false;
-      met.any = true;
-      if (is_cut && other.isCut()) {
-        met.cut = true;
-        chain_[root(self)] = root(end.item);
-      }
-      return true;  // Cuts come first in a cell: one that is met joins all others of the cell.
-    });
-    return met;
+  /// Looks for ends of others at an end.
+  void meetAtEnd(const LintEnd& end) {
+    const LintItem& item = items_[end.item];
+    const Vector2d& p_mm = item.samples.at(end.sample);
+    // All that meet at one point find the same ones first, and so are joined with each other.
+    constexpr int kMostJoined = 16;
+    for (const bool of_cuts : {true, false}) {
+      int joined = 0;
+      near_.ends(of_cuts, p_mm, kMet_mm, [&](const LintEnd& other, double) {
+        if (other.item != end.item) meet(end, other.item);
+        return ++joined > kMostJoined;
+      });
+    }
   }
 
   std::uint32_t root(std::uint32_t i) {
@@ -154,40 +236,49 @@ class Checker {
   }
 
   void checkEnds() {
-    const LintEndGrid meetings(items_, kMet_mm);
-    const LintEndGrid gaps(items_, kGap_mm);
-    chain_.resize(items_.size());
-    std::iota(chain_.begin(), chain_.end(), 0U);
-    std::vector<LintEnd> loose_cuts;
     for (std::uint32_t i = 0; i < items_.size(); ++i) {
+      progress_.done(items_.size() + i);
       const LintItem& item = items_[i];
       if (item.is_zero || item.is_closed) continue;
       for (const std::uint32_t s : {0U, 4U}) {
-        const Vector2d& p_mm = item.samples.at(s);
-        const Met ends = metAtEnds(meetings, i, p_mm);
-        if (item.isCut() ? ends.cut : ends.any) continue;
-        const Met way = metOnWay(i, p_mm, item.isCut());
+        const LintEnd end{i, s};
+        const EndMet& met = met_[slotOf(end)];
+        if (!met.is_known) meetAtEnd(end);
+        if (item.isCut() ? met.ends_cut : met.ends_any) continue;
+        meetOnWay(end);
         // Dashes drawn one by one are all gaps, and meant so.
-        if (!ends.any && !way.any && item.entity->process != Process::kPerforation) checkGap(gaps, {i, s});
-        if (item.isCut() && !way.cut) loose_cuts.push_back({i, s});
+        if (!met.ends_any && !met.lines_any && item.entity->process != Process::kPerforation) findGap(end);
+        if (item.isCut() && !met.lines_cut) loose_.push_back({numberOf(end), end});
       }
     }
-    reportOpen(loose_cuts);
+    reportGaps();
+    reportOpen();
   }
 
-  /// The nearest end of the same process within a gap.
-  void checkGap(const LintEndGrid& grid, const LintEnd& from) {
+  /// Place of an end in the drawing.
+  [[nodiscard]] std::uint32_t numberOf(const LintEnd& end) const {
+    return 2 * items_[end.item].number + (end.sample == 0 ? 0U : 1U);
+  }
+
+  struct Gap {
+    std::uint32_t number{};  ///< Place of the first end in the drawing.
+    LintEnd from;
+    LintEnd to;
+    double length_mm{};
+    std::pair<std::uint32_t, std::uint32_t> ends;  ///< Places of both in the drawing, the lesser first.
+  };
+
+  /// The nearest end of the same process within a gap; the last drawn of several.
+  void findGap(const LintEnd& from) {
     const LintItem& a = items_[from.item];
     const Vector2d& p_mm = a.samples.at(from.sample);
     LintEnd nearest;
     double nearest_mm = kGap_mm;
     bool has_nearest = false;
-    grid.near(p_mm, [&](const LintEnd& end) {
-      if (!mayLook()) return true;
+    near_.ends(a.isCut(), p_mm, nearest_mm, [&](const LintEnd& end, double d_mm) {
       const LintItem& other = items_[end.item];
-      const double d_mm = (other.samples.at(end.sample) - p_mm).norm();
-      if (end.item == from.item || d_mm > nearest_mm || other.entity->process != a.entity->process)
-        return false;
+      if (end.item == from.item || other.entity->process != a.entity->process) return false;
+      if (has_nearest && d_mm == nearest_mm && numberOf(end) < numberOf(nearest)) return false;
       // Not where this very entity runs through the other's end: that is an overshoot, and joined.
       if (nearestOn(a.entity->curve, other.samples.at(end.sample)).distance_mm <= kMet_mm) return false;
       nearest = end;
@@ -195,23 +286,38 @@ class Checker {
       has_nearest = true;
       return false;
     });
-    if (!has_nearest) return;
-    // A pair of loose ends sees itself twice.
-    const auto pair = std::minmax({from.item * 2 + from.sample / 4, nearest.item * 2 + nearest.sample / 4});
-    if (!reported_gaps_.insert((static_cast<std::uint64_t>(pair.first) << 32U) | pair.second).second) return;
-    store_.add({Kind::kGap, true, !a.isCut(), p_mm, from.item, nearest.item, nearest_mm});
+    if (has_nearest)
+      gaps_.push_back({numberOf(from), from, nearest, nearest_mm, std::minmax({numberOf(from), numberOf(nearest)})});
   }
 
-  void reportOpen(const std::vector<LintEnd>& loose) {
-    std::unordered_map<std::uint32_t, std::uint32_t> loose_ends;
-    for (const LintEnd& end : loose) ++loose_ends[root(end.item)];
-    for (const LintEnd& end : loose) {
-      const auto it = loose_ends.find(root(end.item));
-      if (it == loose_ends.end()) continue;  // Said once per outline.
-      const LintItem& item = items_[end.item];
-      store_.add({Kind::kOpenOutline, false, false, item.samples.at(end.sample), end.item, it->second,
+  void reportGaps() {
+    // A pair of loose ends sees itself twice.
+    std::sort(gaps_.begin(), gaps_.end(), [](const Gap& a, const Gap& b) {
+      return a.ends != b.ends ? a.ends < b.ends : a.number < b.number;
+    });
+    const auto last = std::unique(gaps_.begin(), gaps_.end(),
+                                  [](const Gap& a, const Gap& b) { return a.ends == b.ends; });
+    gaps_.erase(last, gaps_.end());
+    std::sort(gaps_.begin(), gaps_.end(), [](const Gap& a, const Gap& b) { return a.number < b.number; });
+    for (const Gap& gap : gaps_) {
+      const LintItem& item = items_[gap.from.item];
+      store_.add({Kind::kGap, true, !item.isCut(), item.samples.at(gap.from.sample), gap.from.item,
+                  gap.to.item, gap.length_mm});
+    }
+  }
+
+  void reportOpen() {
+    std::vector<std::uint32_t> loose_ends(items_.size());
+    for (const LooseEnd& loose : loose_) ++loose_ends[root(loose.end.item)];
+    std::sort(loose_.begin(), loose_.end(),
+              [](const LooseEnd& a, const LooseEnd& b) { return a.number < b.number; });
+    for (const LooseEnd& loose : loose_) {
+      std::uint32_t& count = loose_ends[root(loose.end.item)];
+      if (count == 0) continue;  // Said once per outline.
+      const LintItem& item = items_[loose.end.item];
+      store_.add({Kind::kOpenOutline, false, false, item.samples.at(loose.end.sample), loose.end.item, count,
                   item.length_mm});
-      loose_ends.erase(it);
+      count = 0;
     }
   }
 
@@ -223,21 +329,40 @@ class Checker {
     constexpr double kSmallest_mm = 2;
     if (size.maxCoeff() <= kLargest_mm && size.maxCoeff() >= kSmallest_mm) return;
     store_.add(LintFinding{
-        Kind::kSuspiciousSize, false, all.center(), items_.front().entity->layer,
+        Kind::kSuspiciousSize, false, all.center(), firstDrawn().entity->layer,
         fmt::format("The dieline measures {:.3f} x {:.3f} mm: wrong units?", size.x(), size.y())});
   }
 
   std::vector<LintItem> items_;
-  LintBoxes boxes_;
+  LintBudget budget_;
+  LintNear near_;
   LintStore store_;
-  std::vector<std::uint32_t> chain_;
-  std::unordered_set<std::uint64_t> reported_gaps_;
-  std::size_t pairs_{};
+  base::ShareProgress progress_;
+  /// What an end meets: ends of others, and others on their way.
+  struct EndMet {
+    bool is_known{};  ///< True if the ends that it meets are.
+    bool ends_any{};
+    bool ends_cut{};
+    bool lines_any{};
+    bool lines_cut{};
+  };
+  std::vector<EndMet> met_;           ///< Two for each item.
+  std::vector<std::uint32_t> chain_;  ///< Cuts that meet, as a forest.
+  std::vector<LintEnd> on_line_;      ///< Kept from line to line.
+  bool has_crowded_{};
+  std::vector<Gap> gaps_;
+  struct LooseEnd {
+    std::uint32_t number{};  ///< Place in the drawing.
+    LintEnd end;
+  };
+  std::vector<LooseEnd> loose_;  ///< Of cuts.
 };
 
 }  // namespace
 
-LintReport lintDieline(const Dieline& dieline, std::size_t most) { return Checker(dieline, most).run(); }
+LintReport lintDieline(const Dieline& dieline, std::size_t most, const base::ProgressFn& progress) {
+  return Checker(dieline, most, progress).run();
+}
 
 std::vector<LintFinding> lintDieline(const Dieline& dieline) {
   return lintDieline(dieline, kAllFindings).findings;

@@ -64,58 +64,61 @@ double shared(const ArcCurve& a, const ArcCurve& b) {
   return shared * a.radius_mm;
 }
 
+/// Places of entities in an order in which neighbours follow each other mostly: that of the bits of x and y of
+/// their starts in turn (Morton 1966).
+std::vector<std::uint32_t> alongTheSheet(const std::vector<const Entity*>& entities) {
+  Eigen::AlignedBox2d box;
+  std::vector<Vector2d> starts_mm;
+  starts_mm.reserve(entities.size());
+  for (const Entity* entity : entities) {
+    starts_mm.push_back(pointAt(entity->curve, 0.0));
+    box.extend(starts_mm.back());
+  }
+  const auto spread = [](double share) {
+    auto bits = static_cast<std::uint64_t>(std::clamp(share, 0.0, 1.0) * 65535.0);
+    bits = (bits | (bits << 8U)) & 0x00ff00ffU;
+    bits = (bits | (bits << 4U)) & 0x0f0f0f0fU;
+    bits = (bits | (bits << 2U)) & 0x33333333U;
+    return (bits | (bits << 1U)) & 0x55555555U;
+  };
+  const Vector2d size_mm = box.sizes().cwiseMax(1e-9);
+  std::vector<std::uint64_t> keys(entities.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const Vector2d share = (starts_mm[i] - box.min()).cwiseQuotient(size_mm);
+    keys[i] = (spread(share.x()) | (spread(share.y()) << 1U)) << 32U | i;
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::uint32_t> order;
+  order.reserve(keys.size());
+  for (const std::uint64_t key : keys) order.push_back(static_cast<std::uint32_t>(key));
+  return order;
+}
+
+LintItem lintItem(const Entity& entity, std::uint32_t number) {
+  LintItem item{&entity, boundsOf(entity.curve), lengthOf(entity.curve), {}, false, isClosed(entity.curve),
+                number};
+  item.is_zero = item.length_mm < kZero_mm;
+  const bool is_line = std::holds_alternative<LineCurve>(entity.curve);
+  const std::vector<double> u =
+      item.is_zero || is_line ? std::vector<double>() : stations(entity.curve, item.length_mm / 4);
+  for (std::size_t i = 0; i < 5; ++i) {
+    const double at = item.is_zero ? 0.0 : is_line ? static_cast<double>(i) / 4 : u[i];
+    item.samples.at(i) = pointAt(entity.curve, at);
+  }
+  return item;
+}
+
 }  // namespace
 
 std::vector<LintItem> lintItems(const Dieline& dieline) {
   std::vector<LintItem> items;
   items.reserve(dieline.entities.size());
+  std::vector<const Entity*> entities;
   for (const Entity& entity : dieline.entities) {
-    if (entity.process == Process::kIgnore) continue;
-    LintItem item{&entity, boundsOf(entity.curve), lengthOf(entity.curve), {}, false, isClosed(entity.curve)};
-    item.is_zero = item.length_mm < kZero_mm;
-    const bool is_line = std::holds_alternative<LineCurve>(entity.curve);
-    const std::vector<double> u =
-        item.is_zero || is_line ? std::vector<double>() : stations(entity.curve, item.length_mm / 4);
-    for (std::size_t i = 0; i < 5; ++i) {
-      const double at = item.is_zero ? 0.0 : is_line ? static_cast<double>(i) / 4 : u[i];
-      item.samples.at(i) = pointAt(entity.curve, at);
-    }
-    items.push_back(item);
+    if (entity.process != Process::kIgnore) entities.push_back(&entity);
   }
+  for (const std::uint32_t at : alongTheSheet(entities)) items.push_back(lintItem(*entities[at], at));
   return items;
-}
-
-LintBoxes::LintBoxes(const std::vector<LintItem>& items) {
-  std::vector<std::size_t> indices(items.size());
-  std::iota(indices.begin(), indices.end(), std::size_t{0});
-  std::vector<Eigen::AlignedBox2d> boxes;
-  boxes.reserve(items.size());
-  for (const LintItem& item : items) boxes.push_back(item.box);
-  tree_.init(indices.begin(), indices.end(), boxes.begin(), boxes.end());
-}
-
-LintEndGrid::LintEndGrid(const std::vector<LintItem>& items, double side_mm) : side_mm_(side_mm) {
-  for (std::uint32_t i = 0; i < items.size(); ++i) {
-    if (items[i].is_zero || items[i].is_closed) continue;
-    for (const std::uint32_t s : {0U, 4U}) ends_.push_back({key(items[i].samples.at(s), 0, 0), {i, s}});
-  }
-  std::sort(ends_.begin(), ends_.end(), [&](const auto& a, const auto& b) {
-    if (a.first != b.first) return a.first < b.first;
-    const bool a_cut = items[a.second.item].isCut();
-    const bool b_cut = items[b.second.item].isCut();
-    if (a_cut != b_cut) return a_cut;
-    return std::pair(a.second.item, a.second.sample) < std::pair(b.second.item, b.second.sample);
-  });
-  first_.reserve(ends_.size());
-  for (std::uint32_t at = 0; at < ends_.size(); ++at) {
-    if (at == 0 || ends_[at].first != ends_[at - 1].first) first_.emplace(ends_[at].first, at);
-  }
-}
-
-std::uint64_t LintEndGrid::key(const Vector2d& p_mm, int dx, int dy) const {
-  const auto x = static_cast<std::int64_t>(std::floor(p_mm.x() / side_mm_)) + dx;
-  const auto y = static_cast<std::int64_t>(std::floor(p_mm.y() / side_mm_)) + dy;
-  return (static_cast<std::uint64_t>(x) << 32U) ^ (static_cast<std::uint64_t>(y) & 0xffffffffU);
 }
 
 double lintSharedLength(const LintItem& a, const LintItem& b) {

@@ -3,15 +3,13 @@
 
 #include <array>
 #include <cstdint>
-#include <numeric>
+#include <map>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <unsupported/Eigen/BVH>
 
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
@@ -32,66 +30,18 @@ struct LintItem {
   std::array<Eigen::Vector2d, 5> samples;  ///< At equal arc lengths, both ends included.
   bool is_zero{};
   bool is_closed{};
+  std::uint32_t number{};  ///< Place in the drawing, among those that are not ignored.
   [[nodiscard]] bool isCut() const { return entity->process == Process::kCut; }
 };
 
-/// Items of all entities that are not ignored.
+/// Items of all entities that are not ignored. Neighbours on the sheet are near each other in memory: searches go
+/// from one to the next.
 std::vector<LintItem> lintItems(const Dieline& dieline);
-
-/// Boxes of items in a tree: whoever looks for those near a place asks few of them.
-class LintBoxes {
- public:
-  LintBoxes() = default;
-  explicit LintBoxes(const std::vector<LintItem>& items);
-  /// Visits items whose boxes touch `box`, and maybe others beside them, in no order, until a visit says
-  /// true; true if one does.
-  template <class Visit>
-  bool any(const Eigen::AlignedBox2d& box, Visit visit) const {
-    struct Near {
-      const Eigen::AlignedBox2d& box;
-      Visit& visit;
-      bool found{false};
-      bool intersectVolume(const Eigen::AlignedBox2d& volume) const { return box.intersects(volume); }
-      bool intersectObject(std::size_t item) { return found = visit(item); }
-    };
-    Near near{box, visit};
-    Eigen::BVIntersect(tree_, near);
-    return near.found;
-  }
-
- private:
-  Eigen::KdBVH<double, 2, std::size_t> tree_;
-};
 
 /// One end of an item: sample 0 or 4.
 struct LintEnd {
   std::uint32_t item{};
   std::uint32_t sample{};
-};
-
-/// End points in square cells, so that all ends within a side of a point are in 9 cells.
-class LintEndGrid {
- public:
-  LintEndGrid(const std::vector<LintItem>& items, double side_mm);
-  /// Visits the ends of the 9 cells around a point, each cell until a visit says true.
-  template <class Visit>
-  void near(const Eigen::Vector2d& p_mm, Visit visit) const {
-    for (int dx = -1; dx <= 1; ++dx) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        const auto cell = first_.find(key(p_mm, dx, dy));
-        if (cell == first_.end()) continue;
-        for (std::uint32_t at = cell->second; at < ends_.size() && ends_[at].first == cell->first; ++at) {
-          if (visit(ends_[at].second)) break;
-        }
-      }
-    }
-  }
-
- private:
-  [[nodiscard]] std::uint64_t key(const Eigen::Vector2d& p_mm, int dx, int dy) const;
-  double side_mm_;
-  std::vector<std::pair<std::uint64_t, LintEnd>> ends_;  ///< Sorted by cell; cuts first within one.
-  std::unordered_map<std::uint64_t, std::uint32_t> first_;
 };
 
 /// Length on which two lines, or two arcs, lie on each other; 0 for other pairs.

@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 
+#include "hil/base/progress.h"
 #include "hil/dieline/process.h"
 
 namespace kerfbench::dieline {
@@ -68,6 +69,7 @@ struct DrawingOptions {
   Eigen::Vector2d shift_mm{Eigen::Vector2d::Zero()};
   /// Lines that lie wholly on another of their process are left out, with a note.
   bool once{};
+  base::ProgressFn progress{};  ///< Told now and then while a large file is read.
 };
 
 /// Adds a rule to a profile: {"CUT"}, {"CUT", "other"}, {"*", "color", "1"}, {"*", "linetype", "DASHED"} or
@@ -120,8 +122,9 @@ struct LintReport {
   std::map<LintFinding::Kind, Counts> counts;
 };
 constexpr std::size_t kAllFindings = static_cast<std::size_t>(-1);
-/// Checks a drawing in n log n steps. `most`: findings that are kept of each kind, the worst.
-LintReport lintDieline(const Dieline& dieline, std::size_t most);
+/// Checks a drawing in n log n steps. `most`: findings that are kept of each kind, the worst. `progress` is told of
+/// a check that takes long.
+LintReport lintDieline(const Dieline& dieline, std::size_t most, const base::ProgressFn& progress = {});
 /// All findings.
 std::vector<LintFinding> lintDieline(const Dieline& dieline);
 
