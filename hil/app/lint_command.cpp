@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
 #include "hil/base/yaml_reader.h"
@@ -40,47 +41,50 @@ bool isScenario(const fs::path& path) {
 
 // What a second reader says of a drawing. Returns the exit code.
 int lintWitness(const dieline::Dieline& dieline, const dieline::DrawingOptions& rules,
-                const judge::RunOptions& options) {
+                const judge::RunOptions& options, base::Console& console) {
   const witness::Testimony testimony =
       witness::testimonyOf(dieline, rules, witness::witnessBeside(options.bin_dir));
   const bool agrees = testimony.kind == witness::Testimony::Kind::kAgrees;
   if (agrees && options.quiet) return 0;
   for (const std::string& sentence : testimony.sentences)
-    say(fmt::format("{}: {}: {}", dieline.path, agrees ? "note" : "error", sentence));
+    console.result(fmt::format("{}: {}: {}", dieline.path, agrees ? "note" : "error", sentence));
   return witness::exitCodeOf(testimony.kind);
 }
 
 // Returns the exit code: a drawing with errors is bad input.
-int lintDrawing(const fs::path& path, const DrawingRules& rules, bool with_witness,
+int lintDrawing(const fs::path& path, DrawingRules rules, bool with_witness,
                 const judge::RunOptions& options) {
   const bool quiet = options.quiet;
+  base::Console console(quiet);
+  rules.options.progress = base::progressOn(console);
   const dieline::Dieline dieline = dieline::readDieline(path, rules.options);
   constexpr std::size_t kMost = 20;  // The worst of each kind.
-  const dieline::LintReport report = dieline::lintDieline(dieline, kMost);
+  const dieline::LintReport report = dieline::lintDieline(dieline, kMost, rules.options.progress);
   const auto warn = [&](const std::string& text) {
-    if (!quiet) say(fmt::format("{}: warning: {}", path.string(), text));
+    console.say(fmt::format("{}: warning: {}", path.string(), text));
   };
   std::size_t errors = 0;
   for (const dieline::LintFinding& finding : report.findings) {
     const bool is_error = finding.is_error && !dieline::isAccepted(finding, rules.accepted);
     errors += is_error ? 1 : 0;
     if (quiet && !is_error) continue;
-    say(fmt::format("{}: {} at ({:.3f}, {:.3f}) mm, layer {}: {}", path.string(),
-                    is_error ? "error" : "warning", finding.p_mm.x(), finding.p_mm.y(),
-                    finding.layer.empty() ? "-" : finding.layer, finding.message));
+    console.result(fmt::format("{}: {} at ({:.3f}, {:.3f}) mm, layer {}: {}", path.string(),
+                               is_error ? "error" : "warning", finding.p_mm.x(), finding.p_mm.y(),
+                               finding.layer.empty() ? "-" : finding.layer, finding.message));
   }
   for (const std::string& sentence : dieline::uncounted(report)) warn(sentence);
   if (const auto advice = dieline::adviceOnRepeats(report)) warn(*advice);
   for (const std::string& sentence : dieline::acceptedSentences(report, rules.accepted)) warn(sentence);
   if (!quiet) {
-    for (const std::string& note : dieline.notes) say(fmt::format("{}: note: {}", path.string(), note));
+    for (const std::string& note : dieline.notes)
+      console.say(fmt::format("{}: note: {}", path.string(), note));
     const auto box = dieline.bounds();
     if (!box.isEmpty()) {
-      say(fmt::format("{}: {} entities, {:.2f} x {:.2f} mm", path.string(), dieline.entities.size(),
-                      box.sizes().x(), box.sizes().y()));
+      console.say(fmt::format("{}: {} entities, {:.2f} x {:.2f} mm", path.string(), dieline.entities.size(),
+                              box.sizes().x(), box.sizes().y()));
     }
   }
-  const int code = with_witness ? lintWitness(dieline, rules.options, options) : 0;
+  const int code = with_witness ? lintWitness(dieline, rules.options, options, console) : 0;
   return base::worstExitCode(code, errors == 0 ? 0 : base::kExitInput);
 }
 

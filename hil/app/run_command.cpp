@@ -38,9 +38,10 @@ std::string sourceName(const scenario::FirmwareChoice& firmware) {
   return firmware.source == scenario::FirmwareChoice::Source::kNative ? "native build" : "child process";
 }
 
-scenario::Case caseWithOptions(const fs::path& path, const fs::path& image,
-                               const judge::RunOptions& options) {
-  scenario::Case test_case = scenario::readCase(path, {options.bin_dir.parent_path() / "firmware", image});
+scenario::Case caseWithOptions(const fs::path& path, const fs::path& image, const judge::RunOptions& options,
+                               base::Console& console) {
+  scenario::Case test_case = scenario::readCase(path, {options.bin_dir.parent_path() / "firmware", image},
+                                                base::progressOn(console));
   if (options.seed) test_case.scenario.seed = *options.seed;
   if (options.imperfections)
     test_case.scenario.imperfections = scenario::presetFromName(*options.imperfections);
@@ -54,7 +55,7 @@ constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on
 int replayOne(const Replay& replay, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet);
-  scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options);
+  scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options, console);
   const fs::path& recording = replay.recording;
   judge::refuseBlockedRuns(options.results_dir, test_case.scenario.name + "-replay");
   console.say(fmt::format("{}: {}, replayed from {}", test_case.scenario.name, test_case.scenario.title,
@@ -83,7 +84,7 @@ int replayOne(const Replay& replay, const judge::RunOptions& options) {
 int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet);
-  scenario::Case test_case = caseWithOptions(path, image, options);
+  scenario::Case test_case = caseWithOptions(path, image, options, console);
   const scenario::Scenario& scenario = test_case.scenario;
   judge::refuseBlockedRuns(options.results_dir, scenario.name);
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));

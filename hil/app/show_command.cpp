@@ -136,22 +136,25 @@ int drawDrawing(const ShowOptions& options) {
     complain(fmt::format("show: a drawing is shown as .svg or .png, not as {}", out.string()));
     return base::kExitUsage;
   }
-  const DrawingRules rules =
+  base::Console console(options.quiet);
+  DrawingRules rules =
       drawingRules({options.drawing, options.scenario, {}}, {options.bin_dir.parent_path() / "firmware", {}});
+  rules.options.progress = base::progressOn(console);
   const dieline::Dieline dieline = dieline::readDieline(options.subject, rules.options);
   if (dieline.entities.empty()) {
     complain(fmt::format("show: {} has no line to show", options.subject.string()));
     return base::kExitInput;
   }
   const drawing::PictureContent content =
-      drawing::contentOf(dieline, options.subject.filename().string(), options.width_px, rules.accepted);
+      drawing::contentOf(dieline, options.subject.filename().string(), options.width_px, rules.accepted,
+                         base::progressOn(console));
   if (kind == ".svg") {
     base::writeFileAtomically(out, drawing::svgOf(dieline, content));
   } else {
     const auto png = drawing::pngOf(dieline, content);
     base::writeFileAtomically(out, {reinterpret_cast<const char*>(png.data()), png.size()});
   }
-  std::fputs((out.string() + "\n").c_str(), stdout);
+  console.result(out.string());
   return 0;
 }
 

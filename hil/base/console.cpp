@@ -10,14 +10,14 @@ namespace kerfbench::base {
 
 Console::Console(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
-Console::~Console() { clearProgress(); }
+Console::~Console() { endProgress(); }
 
 void Console::say(const std::string& line) {
   if (!quiet_) result(line);
 }
 
 void Console::result(const std::string& line) {
-  clearProgress();
+  endProgress();
   std::fputs((line + "\n").c_str(), stdout);
   std::fflush(stdout);
 }
@@ -30,7 +30,7 @@ void Console::progress(double now_s, const std::string& what) {
   progress_shown_ = true;
 }
 
-void Console::clearProgress() {
+void Console::endProgress() {
   if (!progress_shown_) return;
   std::fputs("\r\033[K", stderr);
   progress_shown_ = false;

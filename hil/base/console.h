@@ -21,9 +21,10 @@ class Console {
   void result(const std::string& line);
   /// Progress of the work; now_s < 0: without virtual time.
   void progress(double now_s, const std::string& what);
+  /// Takes the line of progress away, before something else is written to standard error.
+  void endProgress();
 
  private:
-  void clearProgress();
   bool quiet_;
   bool terminal_;
   bool progress_shown_{false};

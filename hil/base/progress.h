@@ -16,8 +16,8 @@ class ShareProgress {
  public:
   static constexpr std::uint64_t kLeast = std::uint64_t{4} << 20U;  ///< Bytes that are read in an instant.
 
-  /// `told` may be empty. `what`: for example "reading pins.vcd". `least`: of the total, the amount that takes no
-  /// time, and the least between two words.
+  /// `told` may be empty. `what`: for example "reading pins.vcd". `least`: of the total, the amount that
+  /// takes no time, and the least between two words.
   ShareProgress(ProgressFn told, std::string what, std::uint64_t total, std::uint64_t least = kLeast)
       : told_(std::move(told)), what_(std::move(what)), total_(total), least_(least), next_(least) {}
 

@@ -125,7 +125,8 @@ class Cf2Drawing {
 Dieline readCf2(const std::string& text, const DrawingOptions& options, FaultList& faults) {
   if (options.unit)
     faults.fatal(0, "a CF2 file says its unit itself (UM, UI): leave 'unit' out, or use 'scale'");
-  const Cf2File file = readCf2Records(text, faults);
+  base::ShareProgress progress = readingProgress(options, faults, text.size());
+  const Cf2File file = readCf2Records(text, faults, progress);
   faults.throwIfAny();
   return Cf2Drawing(file, options.layers, faults).read();
 }

@@ -32,7 +32,8 @@ std::vector<std::string_view> fieldsOf(std::string_view record) {
 
 class Cf2Reader {
  public:
-  Cf2Reader(const std::string& text, FaultList& faults) : text_(text), faults_(faults) {}
+  Cf2Reader(const std::string& text, FaultList& faults, base::ShareProgress& progress)
+      : text_(text), faults_(faults), progress_(progress) {}
 
   Cf2File read() {
     while (const auto record = nextLine()) {
@@ -63,6 +64,7 @@ class Cf2Reader {
     const std::string_view line(text_.data() + position_, end - position_);
     position_ = end + (text_.compare(end, 2, "\r\n") == 0 ? 2 : 1);
     ++line_;
+    progress_.done(position_);
     return trimmed(line);
   }
 
@@ -232,6 +234,7 @@ class Cf2Reader {
 
   const std::string& text_;
   FaultList& faults_;
+  base::ShareProgress& progress_;
   Cf2File file_;
   Cf2Block* block_{};
   std::string block_name_{"ORDER"};
@@ -244,6 +247,8 @@ class Cf2Reader {
 
 }  // namespace
 
-Cf2File readCf2Records(const std::string& text, FaultList& faults) { return Cf2Reader(text, faults).read(); }
+Cf2File readCf2Records(const std::string& text, FaultList& faults, base::ShareProgress& progress) {
+  return Cf2Reader(text, faults, progress).read();
+}
 
 }  // namespace kerfbench::dieline

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "hil/base/progress.h"
 #include "hil/dieline/faults.h"
 #include "hil/dieline/geometry.h"
 
@@ -47,6 +48,6 @@ struct Cf2File {
 };
 
 /// Reads all records. What is wrong is added to `faults`, with its line.
-Cf2File readCf2Records(const std::string& text, FaultList& faults);
+Cf2File readCf2Records(const std::string& text, FaultList& faults, base::ShareProgress& progress);
 
 }  // namespace kerfbench::dieline

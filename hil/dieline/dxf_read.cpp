@@ -93,11 +93,13 @@ void addFrames(const std::vector<DxfRecord>& records, std::set<std::string, std:
 
 class Unfolder {
  public:
-  Unfolder(const DxfFile& file, const DrawingOptions& options, FaultList& faults, Dieline& dieline)
+  Unfolder(const DxfFile& file, const DrawingOptions& options, FaultList& faults, Dieline& dieline,
+           base::ShareProgress& progress)
       : file_(file),
         profile_(options.layers),
         faults_(faults),
         dieline_(dieline),
+        progress_(progress),
         looks_(file, faults),
         census_(options.layers) {}
 
@@ -116,6 +118,7 @@ class Unfolder {
     for (std::size_t i = 0; i < records.size(); ++i) {
       const DxfRecord& record = records[i];
       const std::string_view type = record.type();
+      progress_.done(file_.text.size() + static_cast<std::size_t>(type.data() - file_.text.data()));
       if (isPart(type)) continue;
       const DxfLook look = looks_.lookOf(record, inherited);
       if (look.is_on_paper || !isShown(record, look)) continue;
@@ -230,6 +233,7 @@ class Unfolder {
   const LayerProfile& profile_;
   FaultList& faults_;
   Dieline& dieline_;
+  base::ShareProgress& progress_;
   DxfLooks looks_;
   LayerCensus census_;
   NoteList notes_;
@@ -239,12 +243,14 @@ class Unfolder {
 
 Dieline readDxf(std::string text, const DrawingOptions& options, FaultList& faults) {
   DxfFile file;
-  parseDxf(std::move(text), file, faults);
+  // Its bytes are gone through twice.
+  base::ShareProgress progress = readingProgress(options, faults, 2 * text.size());
+  parseDxf(std::move(text), file, faults, progress);
   Dieline dieline;
   dieline.path = faults.path();
   Eigen::Affine2d X = Eigen::Affine2d::Identity();
   X.scale(options.unit ? millimetresOf(*options.unit) : unitOf(file, faults));
-  Unfolder(file, options, faults, dieline).read(X);
+  Unfolder(file, options, faults, dieline, progress).read(X);
   faults.throwIfAny();
   return dieline;
 }

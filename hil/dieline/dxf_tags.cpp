@@ -11,7 +11,7 @@
 namespace kerfbench::dieline {
 namespace {
 
-void cutIntoTags(DxfFile& file, FaultList& faults) {
+void cutIntoTags(DxfFile& file, FaultList& faults, base::ShareProgress& progress) {
   std::string_view rest = file.text;
   if (rest.starts_with("AutoCAD Binary DXF")) faults.fatal(0, "binary DXF is not read; save it as ASCII DXF");
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
@@ -35,6 +35,7 @@ void cutIntoTags(DxfFile& file, FaultList& faults) {
     const auto value = nextLine();
     if (!value) faults.fatal(line, "the file ends inside a group: truncated?");
     file.tags.push_back({*code, line, *value});
+    progress.done(file.text.size() - rest.size());
     if (*code == 0 && *value == "EOF") return;
   }
   faults.fatal(line, "the file ends without EOF: truncated, or no DXF file");
@@ -121,9 +122,9 @@ std::string_view DxfFields::text(int code, std::string_view otherwise) const {
   return otherwise;
 }
 
-void parseDxf(std::string text, DxfFile& file, FaultList& faults) {
+void parseDxf(std::string text, DxfFile& file, FaultList& faults, base::ShareProgress& progress) {
   file.text = std::move(text);
-  cutIntoTags(file, faults);
+  cutIntoTags(file, faults, progress);
   const std::span<const DxfTag> tags = file.tags;
   bool has_entities = false;
   for (std::size_t i = 0; i < tags.size(); ++i) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hil/base/progress.h"
 #include "hil/dieline/faults.h"
 
 namespace kerfbench::dieline {
@@ -66,8 +67,8 @@ struct DxfFile {
   std::vector<DxfRecord> objects;  ///< Section OBJECTS.
 };
 
-/// Cuts `text` (a whole ASCII DXF file) into `file`.
+/// Cuts `text` (a whole ASCII DXF file) into `file`. `progress` is told the bytes that are done.
 /// @throws DielineError where the structure is lost: binary, truncated, no group code.
-void parseDxf(std::string text, DxfFile& file, FaultList& faults);
+void parseDxf(std::string text, DxfFile& file, FaultList& faults, base::ShareProgress& progress);
 
 }  // namespace kerfbench::dieline

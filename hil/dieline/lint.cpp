@@ -19,8 +19,8 @@ namespace {
 using Eigen::Vector2d;
 using Kind = LintFinding::Kind;
 
-/// Looks at neighbours and at nodes of the search for them: so many, and more for each curve. A drawing that needs
-/// more is no drawing but a heap of lines on each other.
+/// Looks at neighbours and at nodes of the search for them: so many, and more for each curve. A drawing that
+/// needs more is no drawing but a heap of lines on each other.
 constexpr std::size_t kMostLooks = 300'000'000;
 constexpr std::size_t kMostLooksOfOne = 500;
 constexpr std::size_t kMostAlike = 32;
@@ -46,7 +46,8 @@ class Checker {
     for (std::uint32_t i = 0; i < items_.size(); ++i) {
       if (items_[i].is_zero) zeros.push_back(i);
     }
-    std::sort(zeros.begin(), zeros.end(), [&](auto a, auto b) { return items_[a].number < items_[b].number; });
+    std::sort(zeros.begin(), zeros.end(),
+              [&](auto a, auto b) { return items_[a].number < items_[b].number; });
     for (const std::uint32_t i : zeros) {
       const LintItem& item = items_[i];
       store_.add({Kind::kZeroLength, true, !item.isCut(), item.samples[0], i, i, item.length_mm});
@@ -60,9 +61,10 @@ class Checker {
     if (budget_.isSpent()) {
       store_.add(LintFinding{
           Kind::kOverlap, true, firstDrawn().samples[0], "",
-          fmt::format("More than {} looks at lines near each other: not all were compared. Are there copies on "
-                      "each other?",
-                      budget_.most)});
+          fmt::format(
+              "More than {} looks at lines near each other: not all were compared. Are there copies on "
+              "each other?",
+              budget_.most)});
     }
     return std::move(store_).report();
   }
@@ -80,9 +82,9 @@ class Checker {
     std::uint32_t second{};
   };
 
-  /// All pairs that may share a length. They are looked for from neighbour to neighbour, and compared in order
-  /// along x: a curve that repeats another is compared with no third. Where many are alike, they are looked for
-  /// then, as most of them are such copies.
+  /// All pairs that may share a length. They are looked for from neighbour to neighbour, and compared in
+  /// order along x: a curve that repeats another is compared with no third. Where many are alike, they are
+  /// looked for then, as most of them are such copies.
   void checkPairs() {
     const std::vector<std::uint32_t> rank = ranksAlongX();
     std::vector<Pair> pairs;
@@ -128,7 +130,8 @@ class Checker {
     }
   }
 
-  /// Notes what ends on a line, and adds those with which it may share a length. False where too much ends there.
+  /// Notes what ends on a line, and adds those with which it may share a length. False where too much ends
+  /// there.
   template <class Add>
   bool lookAlong(std::uint32_t i, const Add& add) {
     if (!near_.onLine(i, kMostAlike, on_line_)) {
@@ -287,7 +290,8 @@ class Checker {
       return false;
     });
     if (has_nearest)
-      gaps_.push_back({numberOf(from), from, nearest, nearest_mm, std::minmax({numberOf(from), numberOf(nearest)})});
+      gaps_.push_back(
+          {numberOf(from), from, nearest, nearest_mm, std::minmax({numberOf(from), numberOf(nearest)})});
   }
 
   void reportGaps() {
@@ -295,8 +299,8 @@ class Checker {
     std::sort(gaps_.begin(), gaps_.end(), [](const Gap& a, const Gap& b) {
       return a.ends != b.ends ? a.ends < b.ends : a.number < b.number;
     });
-    const auto last = std::unique(gaps_.begin(), gaps_.end(),
-                                  [](const Gap& a, const Gap& b) { return a.ends == b.ends; });
+    const auto last =
+        std::unique(gaps_.begin(), gaps_.end(), [](const Gap& a, const Gap& b) { return a.ends == b.ends; });
     gaps_.erase(last, gaps_.end());
     std::sort(gaps_.begin(), gaps_.end(), [](const Gap& a, const Gap& b) { return a.number < b.number; });
     for (const Gap& gap : gaps_) {

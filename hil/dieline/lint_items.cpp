@@ -64,8 +64,8 @@ double shared(const ArcCurve& a, const ArcCurve& b) {
   return shared * a.radius_mm;
 }
 
-/// Places of entities in an order in which neighbours follow each other mostly: that of the bits of x and y of
-/// their starts in turn (Morton 1966).
+/// Places of entities in an order in which neighbours follow each other mostly: that of the bits of x and y
+/// of their starts in turn (Morton 1966).
 std::vector<std::uint32_t> alongTheSheet(const std::vector<const Entity*>& entities) {
   Eigen::AlignedBox2d box;
   std::vector<Vector2d> starts_mm;

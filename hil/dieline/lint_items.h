@@ -34,8 +34,8 @@ struct LintItem {
   [[nodiscard]] bool isCut() const { return entity->process == Process::kCut; }
 };
 
-/// Items of all entities that are not ignored. Neighbours on the sheet are near each other in memory: searches go
-/// from one to the next.
+/// Items of all entities that are not ignored. Neighbours on the sheet are near each other in memory:
+/// searches go from one to the next.
 std::vector<LintItem> lintItems(const Dieline& dieline);
 
 /// One end of an item: sample 0 or 4.

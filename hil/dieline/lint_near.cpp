@@ -55,8 +55,8 @@ LintPlace arcPlace(const ArcCurve& arc) { return {arc.centre_mm.x(), arc.centre_
 
 }  // namespace
 
-/// Lines that share a length with a given one. Either end of what two lines share is an end of one of them that
-/// lies on the other. So both ends of the one are on the other, or one of each, apart from each other.
+/// Lines that share a length with a given one. Either end of what two lines share is an end of one of them
+/// that lies on the other. So both ends of the one are on the other, or one of each, apart from each other.
 struct LintNear::Search {
   explicit Search(const LintItem& item)
       : p(item.samples.front()),
@@ -159,7 +159,8 @@ bool LintNear::at(const LintTree& tree, const LintPlace& place, double r_mm, std
 }
 
 bool LintNear::likeCurve(const LintItem& self, std::size_t most, std::vector<std::uint32_t>& found) {
-  // A straight curve can be a copy of a line, drawn in either sense: one of its ends is at a given end of the curve.
+  // A straight curve can be a copy of a line, drawn in either sense: one of its ends is at a given end of the
+  // curve.
   const Vector2d& p = self.samples.front();
   std::size_t ends_at_p = 0;
   for (const bool of_cuts : {true, false}) {

@@ -8,9 +8,9 @@
 
 namespace kerfbench::dieline {
 
-/// An item as a place in four dimensions, mm: the ends of a line (x0, y0, x1, y1), the corners of a box, or the
-/// centre and the radius of an arc. Long lines that cross are far from each other there, those that lie on each
-/// other are near.
+/// An item as a place in four dimensions, mm: the ends of a line (x0, y0, x1, y1), the corners of a box, or
+/// the centre and the radius of an arc. Long lines that cross are far from each other there, those that lie
+/// on each other are near.
 using LintPlace = std::array<double, 4>;
 
 /// Box around places.

@@ -122,8 +122,8 @@ struct LintReport {
   std::map<LintFinding::Kind, Counts> counts;
 };
 constexpr std::size_t kAllFindings = static_cast<std::size_t>(-1);
-/// Checks a drawing in n log n steps. `most`: findings that are kept of each kind, the worst. `progress` is told of
-/// a check that takes long.
+/// Checks a drawing in n log n steps. `most`: findings that are kept of each kind, the worst. `progress` is
+/// told of a check that takes long.
 LintReport lintDieline(const Dieline& dieline, std::size_t most, const base::ProgressFn& progress = {});
 /// All findings.
 std::vector<LintFinding> lintDieline(const Dieline& dieline);

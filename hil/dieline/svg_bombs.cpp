@@ -76,6 +76,17 @@ pugi::xml_node svgUsed(const pugi::xml_node& use, const SvgIds& ids) {
   return found == ids.end() ? pugi::xml_node() : found->second;
 }
 
+void refuseLargeXml(std::string_view text, FaultList& faults) {
+  std::size_t elements = 0;
+  std::size_t attributes = 0;
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    if (text[i] == '=') ++attributes;
+    if (text[i] == '<' && text[i + 1] != '/') ++elements;
+  }
+  if (elements > kMostElements) faults.fatal(0, fmt::format("more than {} elements", kMostElements));
+  if (attributes > kMostAttributes) faults.fatal(0, fmt::format("more than {} attributes", kMostAttributes));
+}
+
 void refuseSvgBombs(const pugi::xml_node& root, const SvgIds& ids,
                     const std::function<int(const pugi::xml_node&)>& line_of, FaultList& faults) {
   SvgCounter(ids, line_of, faults).count(root, 0);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 
 #include "hil/dieline/faults.h"
@@ -19,6 +20,10 @@ using SvgIds = std::unordered_map<std::string, pugi::xml_node>;
 
 /// The element that a `use` refers to, or a null node.
 pugi::xml_node svgUsed(const pugi::xml_node& use, const SvgIds& ids);
+
+/// Counts the elements and attributes of a file, which its tree would take 64 and 40 bytes for.
+/// @throws DielineError where they are more than kMostElements or kMostAttributes.
+void refuseLargeXml(std::string_view text, FaultList& faults);
 
 /// Counts what the `use` elements of a file unfold to, without unfolding.
 /// @throws DielineError where uses hold themselves, are nested deeper than kDeepestNesting, or unfold to more

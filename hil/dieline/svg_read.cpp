@@ -42,26 +42,37 @@ bool isSvgBesideTheLines(std::string_view name) {
 
 class SvgReader {
  public:
-  SvgReader(const std::string& text, const DrawingOptions& options, FaultList& faults)
-      : text_(text), options_(options), profile_(options.layers), faults_(faults), census_(options.layers) {}
+  SvgReader(std::string text, const DrawingOptions& options, FaultList& faults)
+      : text_(std::move(text)),
+        options_(options),
+        profile_(options.layers),
+        faults_(faults),
+        progress_(readingProgress(options, faults, 2 * text_.size())),
+        census_(options.layers) {}
 
   Dieline read() {
     dieline_.path = faults_.path();
     for (std::size_t i = 0; i < text_.size(); ++i) {
       if (text_[i] == '\n') line_ends_.push_back(i);
     }
+    refuseLargeXml(text_, faults_);
+    // The tree takes the file's own bytes: a copy would be as large again. Only what is before the root is
+    // asked for once more.
+    constexpr std::size_t kLongestProlog = 1U << 20U;
+    const std::string prolog = text_.substr(0, kLongestProlog);
     pugi::xml_document document;
-    const auto result = document.load_buffer(text_.data(), text_.size());
+    const auto result = document.load_buffer_inplace(text_.data(), text_.size());
     if (!result)
       faults_.fatal(lineAt(result.offset), fmt::format("is not well-formed XML: {}", result.description()));
+    progress_.done(text_.size());
     const pugi::xml_node root = document.document_element();
     if (svgName(root) != "svg") faults_.fatal(lineOf(root), "the outermost element is not svg");
     index(root, 0);
     refuseSvgBombs(
         root, by_id_, [this](const pugi::xml_node& node) { return lineOf(node); }, faults_);
-    const auto prolog = std::string_view(text_).substr(
-        0, static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, root.offset_debug())));
-    const SvgPage page = svgPage(root, prolog, options_, lineOf(root), faults_);
+    const auto before_root = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, root.offset_debug()));
+    const SvgPage page =
+        svgPage(root, std::string_view(prolog).substr(0, before_root), options_, lineOf(root), faults_);
     px_per_inch_ = page.px_per_inch;
     SvgContext context;
     context.X = page.X;
@@ -201,6 +212,7 @@ class SvgReader {
   void element(const pugi::xml_node& node, const SvgContext& outer) {
     const std::string_view name = svgName(node);
     if (drawsNothing(name)) return;
+    progress_.done(text_.size() + static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, node.offset_debug())));
     const auto context = enter(node, outer);
     if (!context) return;
     if (name == "g" || name == "a") {
@@ -355,10 +367,11 @@ class SvgReader {
     }
   }
 
-  const std::string& text_;
+  std::string text_;
   const DrawingOptions& options_;
   const LayerProfile& profile_;
   FaultList& faults_;
+  base::ShareProgress progress_;
   LayerCensus census_;
   NoteList notes_;
   Dieline dieline_;
@@ -370,8 +383,8 @@ class SvgReader {
 
 }  // namespace
 
-Dieline readSvg(const std::string& text, const DrawingOptions& options, FaultList& faults) {
-  return SvgReader(text, options, faults).read();
+Dieline readSvg(std::string text, const DrawingOptions& options, FaultList& faults) {
+  return SvgReader(std::move(text), options, faults).read();
 }
 
 }  // namespace kerfbench::dieline

@@ -291,8 +291,9 @@ class Sheet {
 }  // namespace
 
 PictureContent contentOf(const dieline::Dieline& dieline, std::string title, int width_px,
-                         const std::set<dieline::LintFinding::Kind>& accepted) {
-  dieline::LintReport report = dieline::lintDieline(dieline, kMostFaults);
+                         const std::set<dieline::LintFinding::Kind>& accepted,
+                         const base::ProgressFn& progress) {
+  dieline::LintReport report = dieline::lintDieline(dieline, kMostFaults, progress);
   for (dieline::LintFinding& finding : report.findings)
     finding.is_error = finding.is_error && !dieline::isAccepted(finding, accepted);
   std::vector<std::string> notes = dieline.notes;

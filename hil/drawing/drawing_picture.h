@@ -22,7 +22,8 @@ struct PictureContent {
 /// What lint finds in a drawing, the worst twenty of each kind, and what its reader noted. Errors that are
 /// accepted become warnings.
 PictureContent contentOf(const dieline::Dieline& dieline, std::string title, int width_px,
-                         const std::set<dieline::LintFinding::Kind>& accepted);
+                         const std::set<dieline::LintFinding::Kind>& accepted,
+                         const base::ProgressFn& progress = {});
 
 /// A drawing in the sheet's frame S (x to the right, y up) with a scale in mm at two sides and the origin
 /// where it lies within: lines in the colour of their process, pieces shaded, holes and what lies outside

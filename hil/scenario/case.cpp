@@ -19,10 +19,11 @@ namespace {
 
 // Without this, a drawing with two lines on top of each other would be burnt twice. What is accepted is
 // noted.
-void refuseUnfit(dieline::Dieline& dieline, const std::set<dieline::LintFinding::Kind>& accepted) {
+void refuseUnfit(dieline::Dieline& dieline, const std::set<dieline::LintFinding::Kind>& accepted,
+                 const base::ProgressFn& progress) {
   std::string message;
   constexpr std::size_t kMost = 20;
-  const dieline::LintReport report = dieline::lintDieline(dieline, kMost);
+  const dieline::LintReport report = dieline::lintDieline(dieline, kMost, progress);
   for (const dieline::LintFinding& finding : report.findings) {
     if (!finding.is_error || dieline::isAccepted(finding, accepted)) continue;
     message += fmt::format("{}{}: at ({:.3f}, {:.3f}) mm, layer {}: {}", message.empty() ? "" : "\n",
@@ -40,13 +41,13 @@ void refuseUnfit(dieline::Dieline& dieline, const std::set<dieline::LintFinding:
 }
 
 /// With a selection, what is not selected still tells outlines from holes, so all of the drawing must be fit.
-void refuseUnfitNesting(const Scenario& scenario, dieline::Dieline whole) {
+void refuseUnfitNesting(const Scenario& scenario, dieline::Dieline whole, const base::ProgressFn& progress) {
   const bool counts =
       scenario.limits.edge != inspect::Tolerances::Edge::kCentre || scenario.job.kerf_radius_mm > 0.0;
   if (!counts || scenario.selection.all()) return;
   for (dieline::Entity& entity : whole.entities) entity.process = dieline::drawnFor(entity);
   try {
-    refuseUnfit(whole, scenario.accepted);
+    refuseUnfit(whole, scenario.accepted, progress);
   } catch (const base::ConfigError& error) {
     throw base::ConfigError(
         fmt::format("{}: select: the whole drawing tells outlines from holes, and is unfit:\n{}",
@@ -55,15 +56,17 @@ void refuseUnfitNesting(const Scenario& scenario, dieline::Dieline whole) {
 }
 
 /// The drawing as the scenario wants it cut.
-dieline::Dieline selectedDieline(const Scenario& scenario) {
-  dieline::Dieline dieline = dieline::readDieline(scenario.dieline, scenario.drawing);
+dieline::Dieline selectedDieline(const Scenario& scenario, const base::ProgressFn& progress) {
+  dieline::DrawingOptions drawing = scenario.drawing;
+  drawing.progress = progress;
+  dieline::Dieline dieline = dieline::readDieline(scenario.dieline, drawing);
   try {
     planner::select(dieline, scenario.selection);
   } catch (const planner::PlanError& error) {
     throw base::ConfigError(fmt::format("{}: select: {}", scenario.path.string(), error.what()));
   }
-  refuseUnfit(dieline, scenario.accepted);
-  refuseUnfitNesting(scenario, dieline);
+  refuseUnfit(dieline, scenario.accepted, progress);
+  refuseUnfitNesting(scenario, dieline, progress);
   return dieline;
 }
 
@@ -113,7 +116,8 @@ void refuseUnwired(const Case& test_case) {
   if (!faults.empty()) throw base::ConfigError(faults);
 }
 
-Case readCase(const std::filesystem::path& scenario, const ImagePath& images) {
+Case readCase(const std::filesystem::path& scenario, const ImagePath& images,
+              const base::ProgressFn& progress) {
   Case test_case;
   test_case.scenario = readScenario(scenario, images);
   const machine_file::MachineFile file = machine_file::readMachineFile(test_case.scenario.machine);
@@ -128,7 +132,7 @@ Case readCase(const std::filesystem::path& scenario, const ImagePath& images) {
       test_case.inputs.push_back(input);
   refuseUnwired(test_case);
   refuseUnfit(file, webOf(test_case));
-  test_case.dieline = std::make_shared<const dieline::Dieline>(selectedDieline(test_case.scenario));
+  test_case.dieline = std::make_shared<const dieline::Dieline>(selectedDieline(test_case.scenario, progress));
   return test_case;
 }
 

@@ -30,7 +30,9 @@ struct Case {
 
 /// @throws ConfigError or DielineError with everything wrong in the first file that is bad; ConfigError as
 /// well for a machine that the twin cannot run, and for a dieline that is unfit to cut (see lintDieline).
-Case readCase(const std::filesystem::path& scenario, const ImagePath& images);
+/// `progress` is told of a drawing that takes long.
+Case readCase(const std::filesystem::path& scenario, const ImagePath& images,
+              const base::ProgressFn& progress = {});
 /// With the release that the scenario names.
 inline Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir) {
   return readCase(scenario, ImagePath{firmware_dir});

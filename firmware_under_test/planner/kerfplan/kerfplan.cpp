@@ -33,6 +33,7 @@
 #include "firmware_under_test/planner/program/plan.h"
 #include "firmware_under_test/planner/program/program.h"
 #include "firmware_under_test/planner/program/selection.h"
+#include "hil/base/console.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 
@@ -77,8 +78,11 @@ bool isGcode(const std::string& path) {
 }
 
 dieline::Dieline readInput(const Options& options) {
-  dieline::Dieline dieline =
-      dieline::readDieline(options.input, dieline::drawingOptionsFrom(options.drawing));
+  base::Console console(false);
+  dieline::DrawingOptions drawing = dieline::drawingOptionsFrom(options.drawing);
+  drawing.progress = base::progressOn(console);
+  dieline::Dieline dieline = dieline::readDieline(options.input, drawing);
+  console.endProgress();
   for (const std::string& note : dieline.notes) std::cerr << "note: " << note << '\n';
   if (dieline.entities.empty()) throw planner::PlanError(options.input + ": no entities");
   return dieline;

@@ -32,12 +32,22 @@ std::string measured(const dieline::Dieline& drawing) {
 
 }  // namespace
 
-/// Arguments are files; `--unit UNIT` and `--layer RULE` say what a unit and a layer are in those behind
-/// them.
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kMemoryIsWatched = true;
+#elif defined(__has_feature)
+constexpr bool kMemoryIsWatched = __has_feature(address_sanitizer);
+#else
+constexpr bool kMemoryIsWatched = false;
+#endif
+
+/// Arguments are files; `--is-watched` exits with 0 if a sanitizer's own memory counts, else with 1; `--unit
+/// UNIT` and
+/// `--layer RULE` say what a unit and a layer are in those behind them.
 int main(int argc, char** argv) {
   dieline::DrawingArguments told;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
+    if (argument == "--is-watched") return kMemoryIsWatched ? 0 : 1;
     if (argument == "--unit" && i + 1 < argc) {
       told.unit = argv[++i];
       continue;
