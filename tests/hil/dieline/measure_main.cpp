@@ -2,6 +2,8 @@
 // Prints what the reader makes of drawings, for comparison with other readers: for each file a line of JSON
 // with the length per process and the box, mm.
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <map>
 #include <string>
 #include <utility>
@@ -40,14 +42,27 @@ constexpr bool kMemoryIsWatched = __has_feature(address_sanitizer);
 constexpr bool kMemoryIsWatched = false;
 #endif
 
-/// Arguments are files; `--is-watched` exits with 0 if a sanitizer's own memory counts, else with 1; `--unit
-/// UNIT` and
-/// `--layer RULE` say what a unit and a layer are in those behind them.
+/// The most memory since the program began; what a parent measures counts the parent's own before that.
+long peak_kib() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) return std::stol(line.substr(6));
+  }
+  return -1;
+}
+
+/// Arguments are files; `--peak FILE` reads one and ends with its peak of memory in KiB; `--is-watched` exits
+/// with 0 if a sanitizer's own memory counts, else with 1; `--unit UNIT` and `--layer RULE` say what a
+/// unit and a layer are in those behind them.
 int main(int argc, char** argv) {
   dieline::DrawingArguments told;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--is-watched") return kMemoryIsWatched ? 0 : 1;
+    if (argument == "--peak") {
+      std::atexit([] { std::printf("peak %ld\n", peak_kib()); });
+      continue;
+    }
     if (argument == "--unit" && i + 1 < argc) {
       told.unit = argv[++i];
       continue;

@@ -24,6 +24,6 @@ bool childIsWatched();
 /// Expects that a file is refused with one line that holds `sentence`, within 1 s of a processor and
 /// `most_mib`.
 void expectRefusedInTime(const std::filesystem::path& path, const std::string& name,
-                         const std::string& sentence, double most_mib = 256);
+                         const std::string& sentence, double most_mib = 256, double most_s = 1);
 
 }  // namespace kerfbench::dieline
