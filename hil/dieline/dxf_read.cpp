@@ -243,7 +243,7 @@ class Unfolder {
 
 Dieline readDxf(std::string text, const DrawingOptions& options, FaultList& faults) {
   DxfFile file;
-  // Its bytes are gone through twice.
+  // Two passes: bytes become groups, groups become curves.
   base::ShareProgress progress = readingProgress(options, faults, 2 * text.size());
   parseDxf(std::move(text), file, faults, progress);
   Dieline dieline;

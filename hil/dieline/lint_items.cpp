@@ -65,7 +65,7 @@ double shared(const ArcCurve& a, const ArcCurve& b) {
 }
 
 /// Places of entities in an order in which neighbours follow each other mostly: that of the bits of x and y
-/// of their starts in turn (Morton 1966).
+/// of their starts in turn.
 std::vector<std::uint32_t> alongTheSheet(const std::vector<const Entity*>& entities) {
   Eigen::AlignedBox2d box;
   std::vector<Vector2d> starts_mm;

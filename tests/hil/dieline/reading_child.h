@@ -9,7 +9,7 @@ namespace kerfbench::dieline {
 /// What became of a program that read one drawing.
 struct ReadingChild {
   int exit_code{};  ///< -1 if a signal ended it.
-  double cpu_s{};   ///< Of the user and of the system.
+  double cpu_s{};   ///< User and system time together.
   double peak_mib{};
   std::string said;  ///< What it wrote, standard error included.
 };
