@@ -83,7 +83,7 @@ class Mapping {
 
   /// Lines on layers, or drawn in ways, for which there is no rule: ours did not find them.
   [[nodiscard]] std::string faults() {
-    census_.refuseMixed(faults_);
+    census_.refuse(faults_);
     try {
       faults_.throwIfAny();
     } catch (const dieline::DielineError& error) {
