@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,25 +12,28 @@
 #include <fmt/format.h>
 
 #include "hil/dieline/lint_items.h"
+#include "hil/dieline/lint_near.h"
 
 namespace kerfbench::dieline {
 namespace {
 
-/// Pairs that are looked at, for each line: what has more is no drawing but a heap of lines on each other.
-constexpr std::size_t kMostPairsOfOne = 1000;
+/// Steps of the search and comparisons, for each line: what takes more is no drawing but a heap of lines on
+/// each other.
+constexpr std::size_t kMostStepsOfOne = 1000;
 
 bool liesOn(const LintItem& item, const LintItem& other) {
   return lintSame(other, item) || lintSharedLength(other, item) >= item.length_mm - kOverlap_mm;
 }
 
 /// The longest first, and of those that are alike the first of the file.
-std::vector<std::size_t> longestFirst(const std::vector<LintItem>& items) {
-  std::vector<std::size_t> order(items.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+std::vector<std::uint32_t> longestFirst(const std::vector<LintItem>& items) {
+  std::vector<std::uint32_t> order(items.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   // What lintSame() takes for one length is one here as well.
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::round(items[a].length_mm / kOverlap_mm) > std::round(items[b].length_mm / kOverlap_mm);
-  });
+  const auto key = [&](std::uint32_t i) {
+    return std::pair(-std::round(items[i].length_mm / kOverlap_mm), items[i].number);
+  };
+  std::ranges::sort(order, {}, key);
   return order;
 }
 
@@ -38,21 +42,23 @@ std::vector<std::size_t> longestFirst(const std::vector<LintItem>& items) {
 void leaveOutRepeats(Dieline& dieline, FaultList& faults) {
   const std::vector<LintItem> items = lintItems(dieline);
   if (items.empty()) return;
-  const LintBoxes boxes(items);
+  LintBudget budget{kMostStepsOfOne * (items.size() + kMostStepsOfOne)};
+  LintNear near(items, budget);
   std::vector<bool> stays(items.size(), false);
   std::vector<bool> left_out(dieline.entities.size(), false);
   std::size_t count = 0;
   double length_mm = 0.0;
-  std::size_t pairs = 0;
-  for (const std::size_t i : longestFirst(items)) {
+  std::vector<std::uint32_t> candidates;
+  for (const std::uint32_t i : longestFirst(items)) {
     const LintItem& item = items[i];
-    const bool repeats = !item.is_zero && boxes.any(item.box, [&](std::size_t other) {
-      ++pairs;
-      return stays[other] && items[other].entity->process == item.entity->process &&
+    candidates.clear();
+    if (!item.is_zero) near.like(i, items.size(), candidates);
+    const bool repeats = std::ranges::any_of(candidates, [&](std::uint32_t other) {
+      return budget.take() && stays[other] && items[other].entity->process == item.entity->process &&
              liesOn(item, items[other]);
     });
     stays[i] = !repeats && !item.is_zero;
-    if (pairs > kMostPairsOfOne * (items.size() + kMostPairsOfOne)) {
+    if (budget.isSpent()) {
       faults.add(
           0, "so many lines are near each other that not all were compared: are there copies on each other?");
       return;
