@@ -21,7 +21,7 @@ using Key = std::tuple<Figure::Of, std::string, std::string>;
 
 /// A figure in the runs of a release, in the order of the runs; nothing where a run lacks it.
 struct Series {
-  Figure figure;  ///< That of the first run that has it.
+  Figure figure;  ///< The first run's that has it.
   std::vector<std::optional<Figure>> of_run;
 
   [[nodiscard]] std::vector<Figure> there() const {

@@ -359,7 +359,7 @@ class Checker {
     std::uint32_t number{};  ///< Place in the drawing.
     LintEnd end;
   };
-  std::vector<LooseEnd> loose_;  ///< Those of cuts.
+  std::vector<LooseEnd> loose_;  ///< Ends of cuts alone.
 };
 
 }  // namespace

@@ -17,9 +17,10 @@
 namespace kerfbench::dieline {
 namespace {
 
-/// Steps of the search and comparisons, for each line: what takes more is no drawing but a heap of lines on
-/// each other.
-constexpr std::size_t kMostStepsOfOne = 1000;
+/// Steps of the search and comparisons, as many as lint may take: what needs more is no drawing but a heap of
+/// lines on each other.
+constexpr std::size_t kMostSteps = 300'000'000;
+constexpr std::size_t kMostStepsOfOne = 500;
 
 bool liesOn(const LintItem& item, const LintItem& other) {
   return lintSame(other, item) || lintSharedLength(other, item) >= item.length_mm - kOverlap_mm;
@@ -42,7 +43,7 @@ std::vector<std::uint32_t> longestFirst(const std::vector<LintItem>& items) {
 void leaveOutRepeats(Dieline& dieline, FaultList& faults) {
   const std::vector<LintItem> items = lintItems(dieline);
   if (items.empty()) return;
-  LintBudget budget{kMostStepsOfOne * (items.size() + kMostStepsOfOne)};
+  LintBudget budget{kMostSteps + kMostStepsOfOne * items.size()};
   LintNear near(items, budget);
   std::vector<bool> stays(items.size(), false);
   std::vector<bool> left_out(dieline.entities.size(), false);

@@ -70,7 +70,7 @@ class LivePinsTest : public testing::Test {
                      stopwatch, console);
   }
   nlohmann::json verdict(const std::string& name = "on-pins") const {
-    return nlohmann::json::parse(base::contentOf(options.results_dir / name / "verdict.json"));
+    return nlohmann::json::parse(base::contentOf(options.results_dir / name / "latest" / "verdict.json"));
   }
   std::vector<std::string> problems() const { return verdict()["problems"]; }
   /// Expects that a replay of the recording agrees with the live run.
