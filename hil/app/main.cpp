@@ -11,6 +11,8 @@
 
 #include "hil/app/ci_variable.h"
 #include "hil/app/cli.h"
+#include "hil/app/diagnose_command.h"
+#include "hil/app/diagnose_command.h"
 #include "hil/app/fold_command.h"
 #include "hil/app/instrument_program.h"
 #include "hil/app/lint_command.h"
@@ -64,6 +66,8 @@ void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
       ->capture_default_str();
   command.add_flag("--quiet,-q", options.quiet, "Only the verdict");
   command.add_flag("--timing", options.timing, "Say where the time went");
+  command.add_flag("--keep-evidence", options.keep_evidence,
+                   "Keep what the diagnosis goes by, for kerfbench diagnose");
   CLI::Option* const with = command.add_flag(
       "--pictures", options.pictures,
       "Pictures of the machine in the report: they are there unless the environment variable\n"
@@ -151,6 +155,18 @@ void addMotion(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(motion, [=] { return motionCommand(*options); });
 }
 
+void addDiagnose(CLI::App& app, CliActions& actions) {
+  const auto files = std::make_shared<std::vector<fs::path>>();
+  const auto as_json = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand(
+      "diagnose",
+      "What is wrong with runs that did not pass, by the evidence that run or replay has kept\n"
+      "(--keep-evidence): the causes again, by this version's diagnosis. Nothing is judged.");
+  command->add_option("FILE", *files, "diagnosis-evidence.json of a results folder")->required();
+  command->add_flag("--json", *as_json, "A line of JSON for each file");
+  actions.add(command, [=] { return diagnoseCommand(*files, *as_json); });
+}
+
 void addFold(CLI::App& app, const CliProgram& program, CliActions& actions) {
   const auto options = std::make_shared<fold::FoldOptions>();
   options->command_line = program.command_line;
@@ -209,6 +225,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
   addVerify(app, program, actions);
   addHistory(app, program, actions);
   addMotion(app, program, actions);
+  addDiagnose(app, actions);
   addFold(app, program, actions);
   addRecordFrames(app, program, actions);
   addCapture(app, program, actions);

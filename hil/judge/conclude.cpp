@@ -89,7 +89,7 @@ std::string writePins(const std::filesystem::path& folder, const scenario::Case&
 }
 
 void tellVerdict(const report::RunReport& report, base::Console& console) {
-  if (!report.likely_cause.empty()) console.result("  " + report.likely_cause);
+  for (const std::string& line : report::diagnosisLines(report)) console.result("  " + line);
   for (const inspect::Check& check : report.result.checks) console.say(checkLine(check));
   if (!report.model.lost_steps.empty()) console.result("  " + report::lostStepsSentence(report.model));
   if (const std::string stop = report::stopSentence(report.result); !stop.empty())
@@ -123,14 +123,17 @@ void tellTiming(const base::Stopwatch& stopwatch, double virtual_s, base::Consol
 int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const Conclusion& conclusion,
              const RunOptions& options, base::Stopwatch& stopwatch, base::Console& console) {
   report::RunReport report = reportOf(test_case, run, conclusion, options);
+  std::string diagnosis_evidence;
   if (conclusion.safe_state) {
     report.provoked = true;
     addJudgement(judgeSafeState(test_case, run, *conclusion.safe_state), report);
   } else {
     const Cameras cameras{*conclusion.machine, conclusion.spot_frames, options.jobs, conclusion.spot_watch,
                           conclusion.kerf_watch};
-    addJudgement(judge(test_case, run, conclusion.words, cameras, {stopwatch, base::progressOn(console)}),
-                 report);
+    Judgement judgement = judge(test_case, run, conclusion.words, cameras,
+                                {stopwatch, base::progressOn(console), options.keep_evidence});
+    diagnosis_evidence = std::move(judgement.diagnosis_evidence);
+    addJudgement(std::move(judgement), report);
   }
   const run::ModelTruth truth = conclusion.machine->truth();
   report.model = modelFacts(test_case.scenario, truth);
@@ -140,6 +143,8 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
   RunFolder folder(options.results_dir, conclusion.folder_name);
   report.evidence.insert(report.evidence.begin(),
                          {"pins", writePins(folder.staging(), test_case, run, conclusion)});
+  if (!diagnosis_evidence.empty())
+    base::writeFileAtomically(folder.staging() / "diagnosis-evidence.json", diagnosis_evidence);
   stopwatch.lap("recording of the pins");
   // Nobody waits for pictures and report: all that is judged is known.
   tellVerdict(report, console);

@@ -9,9 +9,11 @@
 
 #include "hil/base/parallel.h"
 #include "hil/camera/tile_folder.h"
+#include "hil/diagnose/evidence_json.h"
 #include "hil/evidence/pin_evidence.h"
 #include "hil/inspect/inspect.h"
 #include "hil/judge/beam_aim.h"
+#include "hil/judge/diagnosis_evidence.h"
 #include "hil/judge/likely_cause.h"
 #include "hil/judge/missing_sensors.h"
 #include "hil/judge/pin_stamps.h"
@@ -147,6 +149,22 @@ class Look {
   std::vector<report::EvidencePart> pictures_;
 };
 
+/// Of a run that has passed nothing is looked for.
+void findCauses(const scenario::Case& test_case, const source::PinRecording& recording,
+                const inspect::Evidence& evidence, bool keeps_evidence, Judgement& judgement) {
+  const bool passed = judgement.result.verdict == inspect::Verdict::kPass;
+  if (passed && !keeps_evidence) return;
+  diagnose::Evidence known = diagnosisEvidence(test_case, recording, evidence, judgement.result);
+  if (!passed) {
+    PlainCauses plain = plainCauses(test_case, recording, evidence, judgement.result);
+    known.gate_polarity = std::move(plain.gate);
+    known.axes = std::move(plain.axes);
+    known.others = std::move(plain.others);
+  }
+  judgement.diagnosis = diagnose::diagnose(known);
+  if (keeps_evidence) judgement.diagnosis_evidence = diagnose::evidenceJson(known);
+}
+
 }  // namespace
 
 Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
@@ -168,8 +186,7 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
 
   Judgement judgement;
   judgement.result = inspect::inspect(evidence, test_case.scenario.limits);
-  if (judgement.result.verdict != inspect::Verdict::kPass)
-    judgement.likely_cause = likelyCause(test_case, run.recording, evidence, judgement.result);
+  findCauses(test_case, run.recording, evidence, observer.keeps_evidence, judgement);
   judgement.facts = std::move(look.facts());
   judgement.pictures = std::move(look.pictures());
   judgement.facts.insert(judgement.facts.end(), calibrated.facts.begin(), calibrated.facts.end());
@@ -201,7 +218,7 @@ void addJudgement(Judgement judgement, report::RunReport& report) {
   report.kerf = std::move(judgement.kerf);
   report.spot = std::move(judgement.spot);
   report.pulses = std::move(judgement.pulses);
-  report.likely_cause = std::move(judgement.likely_cause);
+  report.diagnosis = std::move(judgement.diagnosis);
   report.evidence = std::move(judgement.pictures);
   report.versions.insert(report.versions.end(), judgement.facts.begin(), judgement.facts.end());
 }

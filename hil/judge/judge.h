@@ -9,6 +9,7 @@
 #include "hil/base/stopwatch.h"
 #include "hil/camera/machine_cameras.h"
 #include "hil/controller/controller_report.h"
+#include "hil/diagnose/diagnosis.h"
 #include "hil/inspect/safe_state.h"
 #include "hil/judge/kerf_watch.h"
 #include "hil/judge/spot_watch.h"
@@ -35,6 +36,8 @@ struct Cameras {
 struct Observer {
   base::Stopwatch& stopwatch;
   run::ProgressFn progress;
+  /// True: the evidence of the diagnosis is kept, also of a run that passes.
+  bool keeps_evidence{};
 };
 
 /// What pictures and pins show of a run, and what follows from it.
@@ -43,7 +46,9 @@ struct Judgement {
   vision::KerfScan kerf;
   vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
-  std::string likely_cause;  ///< Why the cut is bad, in sentences for people; empty where nothing says.
+  /// Why the cut is bad; nothing is judged by it.
+  diagnose::Diagnosis diagnosis;
+  std::string diagnosis_evidence;  ///< As evidenceJson(), where it is kept.
   /// For the report: which pictures were looked at, with which calibrations.
   std::vector<std::pair<std::string, std::string>> facts;
   std::vector<report::EvidencePart> pictures;  ///< Sums of what real cameras took.

@@ -63,8 +63,9 @@ std::string axesCause(const scenario::Case& test_case, const SharedSteps& steps,
   diagnose::AxesFitOptions options;
   options.worth_mm = kWorth * scenario.limits.path_mm;
   options.left_mm = kLeft * scenario.limits.path_mm;
-  // Following the belt, and a path beside the lines, can look like a scale.
-  options.with_scale =
+  // Following the belt, and a path beside the lines, can look like a scale; where the program is known a scale is
+  // found by comparing with it (hil/diagnose/stage_fit.h).
+  options.with_scale = scenario.firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench &&
       !scenario.sheetMoves() && !scenario.belt_by_controller && scenario.job.kerf_radius_mm == 0.0;
   const std::optional<diagnose::AxesFit> fit =
       diagnose::fitAxes(path, placeOfSteps(test_case), *test_case.dieline, scenario.print, options);
@@ -171,26 +172,27 @@ std::string motionCause(const scenario::Case& test_case, const SharedSteps& step
 
 }  // namespace
 
-std::string likelyCause(const scenario::Case& test_case, const source::PinRecording& recording,
+PlainCauses plainCauses(const scenario::Case& test_case, const source::PinRecording& recording,
                         const inspect::Evidence& evidence, const inspect::InspectionResult& result) {
   const std::vector<inspect::Check>& checks = result.checks;
   const std::shared_ptr<const SharedSteps> steps = stepsOf(test_case, recording);
   if (!steps) return {};
+  PlainCauses causes;
   // What is lit with the gate the wrong way round says nothing of axes.
-  std::string cause = gateCause(test_case, recording, evidence);
-  if (cause.empty()) cause = axesCause(test_case, *steps, evidence);
-  if (!cause.empty() ||
+  causes.gate = gateCause(test_case, recording, evidence);
+  if (causes.gate.empty()) causes.axes = axesCause(test_case, *steps, evidence);
+  if (!causes.gate.empty() || !causes.axes.empty() ||
       failing(checks, {"path", "edge", "spot_path", "stillness_x", "stillness_peak", "gate_lag"}))
-    return cause;
+    return causes;
   if (!failing(checks, {"joints", "kerf_width", "line_energy", "dwell", "depth", "even_depth"})) return {};
   const std::vector<diagnose::AskedCut> cuts = askedCuts(test_case, *steps, evidence);
-  if (const auto power = diagnose::steadyPower(cuts)) return diagnose::sentenceOf(*power);
+  if (const auto power = diagnose::steadyPower(cuts)) return {.others = diagnose::sentenceOf(*power)};
   const inspect::JointResult* const worst = worstJoint(result.joints);
   if (failing(checks, {"joints"}) == nullptr || worst == nullptr ||
       worst->kind != inspect::JointResult::Kind::kCorner ||
       doubtfulSteps_mm(test_case, evidence) > worst->mm.value)
     return {};
-  return motionCause(test_case, *steps, evidence, cuts, *worst);
+  return {.others = motionCause(test_case, *steps, evidence, cuts, *worst)};
 }
 
 }  // namespace kerfbench::judge

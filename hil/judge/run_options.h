@@ -19,6 +19,7 @@ struct RunOptions {
   bool quiet{};
   bool timing{};
   bool pictures{true};            ///< Whether the report has pictures of the machine.
+  bool keep_evidence{};           ///< Whether the evidence of the diagnosis goes into the results folder.
   std::filesystem::path bin_dir;  ///< Where kerfbench and its children are.
   std::string command_line;       ///< As typed, for the report.
 };

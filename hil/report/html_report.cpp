@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "hil/dieline/geometry.h"
+#include "hil/report/diagnosis_section.h"
 #include "hil/report/html_text.h"
 
 namespace kerfbench::report {
@@ -240,6 +241,7 @@ std::string htmlReport(const RunReport& report, const Digests& digests) {
     for (const std::string& problem : result.problems) list += "<li>" + escapeHtml(problem) + "</li>";
     page += htmlSection("Problems of the evidence", list + "</ul>");
   }
+  page += htmlSection("Likely causes", diagnosisSection(report));
   if (!result.checks.empty() || !result.unjudged.empty()) page += htmlSection("Checks", checkTable(report));
   page += htmlSection("The cut against the dieline", dielineFigures(report));
   page += htmlSection("Worst places", worstPlaces(report));

@@ -140,7 +140,8 @@ std::string sentenceOfVerdict(const RunReport& report) {
 
 std::string verdictSentence(const RunReport& report) {
   const std::string verdict = sentenceOfVerdict(report);
-  return report.likely_cause.empty() ? verdict : report.likely_cause + " " + verdict;
+  const std::string cause = likelyCauseOf(report);
+  return cause.empty() ? verdict : cause + " " + verdict;
 }
 
 std::string gaugeSvg(const inspect::Check& check) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/dieline/geometry.h"
+#include "hil/report/diagnosis_section.h"
 #include "hil/report/html_text.h"
 #include "hil/report/json_parts.h"
 #include "hil/report/run_report.h"
@@ -127,7 +128,8 @@ std::string verdictJson(const RunReport& report, const Digests& digests) {
   root["verdict"] = inspect::verdictName(result.verdict);
   root["exit_code"] = inspect::exitCode(result.verdict);
   root["summary"] = verdictSentence(report);
-  root["likely_cause"] = report.likely_cause;
+  root["likely_cause"] = likelyCauseOf(report);
+  root["diagnosis"] = diagnosisJson(report);
   root["digest"] = digests.results;
   root["scenario"] = report.scenario;
   root["machine"] = report.machine;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/base/stopwatch.h"
+#include "hil/diagnose/diagnosis.h"
 #include "hil/dieline/process.h"
 #include "hil/dieline/read.h"
 #include "hil/inspect/inspect.h"
@@ -116,8 +117,8 @@ struct RunReport {
   vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
   inspect::InspectionResult result;
-  /// Why the cut is bad, in sentences for people; nothing is judged by it. Empty where nothing says.
-  std::string likely_cause;
+  /// Why the cut is bad, for people; nothing is judged by it, and it is no part of the digest.
+  diagnose::Diagnosis diagnosis;
   bool unsealed{};        ///< A recording without a sum of its own was replayed.
   bool model_pictures{};  ///< The pins are real, and the pictures are the model's.
   int calibration_max_age_days{inspect::kCalibrationMaxAge_days};  ///< As the scenario has it.
@@ -128,6 +129,13 @@ struct RunReport {
   std::vector<base::StageTime> timing;
   std::vector<ReportPicture> pictures;
 };
+
+/// Sentence of the most likely cause; empty if none is known.
+inline std::string likelyCauseOf(const RunReport& report) {
+  return report.diagnosis.causes.empty() ? std::string() : report.diagnosis.causes.front().sentence;
+}
+/// "Likely cause: …", a line for each cause, for a terminal; none of a run that has passed.
+std::vector<std::string> diagnosisLines(const RunReport& report);
 
 /// Limits wider than the defaults, checks that apply and were not judged, entities that were neither cut nor
 /// judged, and what stands between the pictures and a real sheet. Empty for a run that is judged in full.

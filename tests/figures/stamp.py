@@ -48,6 +48,9 @@ PAGES = {
                    "hil/evidence hil/inspect hil/judge hil/report hil/source hil/vision tests/tamper"),
     "witness": Page("tests/witness/RESULTS.md", "./bench witness",
                     "hil/calibrate/camera hil/inspect hil/judge hil/vision tests/witness"),
+    "diagnoses": Page("docs/explanation/diagnosis.md", "./bench diagnoses",
+                      "hil/diagnose hil/judge/asked_path.cpp hil/judge/diagnosis_evidence.cpp hil/judge/gate_readings.cpp "
+                      "hil/judge/timed_cuts.cpp tests/diagnosis"),
     "papers": Page("docs/reference/papers.md", "./bench papers",
                    "firmware_under_test/planner tests/papers tests/papers/rows.toml"),
     "mutate": Page("tests/mutation/RESULTS.md", "./bench mutate",

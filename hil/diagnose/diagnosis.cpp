@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/diagnose/diagnosis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "hil/diagnose/direct_causes.h"
+#include "hil/diagnose/fitted_causes.h"
+#include "hil/diagnose/lost_steps.h"
+
+namespace kerfbench::diagnose {
+namespace {
+
+bool has(const std::vector<Cause>& causes, std::string_view key) {
+  return std::ranges::any_of(causes, [&](const Cause& cause) { return cause.key == key; });
+}
+
+bool isOfPulses(const Cause& cause) { return cause.key == kPulsesLost || cause.key == kPulsesDoubled; }
+
+/// What pins show and what fits can be one and the same: the fit then says how much it explains.
+void merge(std::vector<Cause>& direct, std::vector<Cause>& fitted) {
+  for (Cause& seen : direct) {
+    const auto same = std::ranges::find_if(fitted, [&](const Cause& cause) {
+      return (isOfPulses(seen) && isOfPulses(cause)) ||
+             (seen.key == "dir_timing" && (cause.key == "axis_slipped" || cause.key == "stepper_pulled_out"));
+    });
+    if (same == fitted.end()) continue;
+    seen.share = same->share;
+    seen.left_mm = same->left_mm;
+    seen.score = same->score;
+    if (isOfPulses(seen)) {
+      seen.key = same->key;
+      seen.size.U = std::max(seen.size.U, 0.0);
+      seen.sentence += " " + same->sentence;
+    }
+    fitted.erase(same);
+  }
+}
+
+std::string noneSentence(const Fitted& fitted) {
+  double sum = 0.0;
+  for (const double square : fitted.stage_mm2) sum += square;
+  if (!(sum > 0.0) || std::isnan(fitted.deviation_mm)) return "None of the known causes explains this.";
+  return fmt::format(
+      "None of the known causes explains this. Of the deviation of {:.3f} mm RMS {:.0f} % arise between drawing and program, {:.0f} % "
+      "between program and pulses, {:.0f} % between pulses and cut.",
+      fitted.deviation_mm, 100.0 * fitted.stage_mm2[0] / sum, 100.0 * fitted.stage_mm2[1] / sum,
+      100.0 * fitted.stage_mm2[2] / sum);
+}
+
+}  // namespace
+
+Diagnosis diagnose(const Evidence& evidence) {
+  Diagnosis diagnosis;
+  if (evidence.passed) return diagnosis;
+  std::vector<Cause> direct = directCauses(evidence);
+  Fitted fitted;
+  // With an edge the cut lies beside the line on purpose.
+  if (!evidence.edges_judged) fitted = fittedCauses(evidence);
+  diagnosis.deviation_mm = fitted.deviation_mm;
+  merge(direct, fitted.causes);
+  // Axes that are swapped, or a gate that is inverted, leave nothing to be fitted.
+  if (has(direct, "axes") || has(direct, "gate_inverted") || has(direct, "encoder_reversed")) fitted.causes.clear();
+  diagnosis.causes = std::move(direct);
+  std::ranges::move(fitted.causes, std::back_inserter(diagnosis.causes));
+  for (Cause& cause : diagnosis.causes) {
+    if (cause.instead.empty()) continue;
+    cause.sentence += fmt::format(" This run cannot tell it from: {}.", fmt::join(cause.instead, ", "));
+  }
+  if (!diagnosis.causes.empty())
+    diagnosis.sentence = diagnosis.causes.front().sentence;
+  else if (evidence.failed)
+    diagnosis.sentence = noneSentence(fitted);
+  return diagnosis;
+}
+
+const std::vector<std::string>& causeKeys() {
+  static const std::vector<std::string> kKeys{
+      "axes", "axes_lag", "axis_lag_x", "axis_lag_y", "axis_slipped", "backlash_x", "backlash_y", "belt_ignored",
+      "dir_timing", "encoder_reversed", "encoder_scale", "entity_missing", "entity_twice", "gate_closes_early",
+      "gate_closes_late", "gate_early", "gate_inverted", "gate_late", "head_offset", "head_rotation", "head_scale",
+      "head_scale_x", "head_scale_y", "head_shear", "kerf_radius", "kerf_uncompensated", "kerf_wrong_side", "latency",
+      "loop_soft", "mean_speed", "others", "pincushion_missing", "power_rings", "power_scale", "program_offset",
+      "program_rotation", "program_scale", "program_scale_x", "program_scale_y", "program_shear", "pulse_width",
+      "pulses_doubled", "pulses_lost", "sheet_reference", "step_scale", "step_scale_x", "step_scale_y",
+      "stepper_pulled_out", "stopped", "table_missing", "table_other", "table_sign"};
+  return kKeys;
+}
+
+}  // namespace kerfbench::diagnose

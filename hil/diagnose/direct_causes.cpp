@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/diagnose/direct_causes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "hil/diagnose/known_causes.h"
+#include "hil/diagnose/lost_steps.h"
+
+namespace kerfbench::diagnose {
+namespace {
+
+/// A gate is late from here on; the way that pulses lead the beam tells it to 0.05 ms.
+constexpr double kGateWorth_s = 2.5e-4;
+constexpr std::size_t kFewestGates = 3;
+/// Power that differs by less is none of a scale.
+constexpr double kPowerWorth = 0.04;
+constexpr double kMissing = 0.05;
+constexpr double kTwice = 1.7;
+/// Share of the path's limit from which on a compensation is wrong.
+constexpr double kKerfWorth = 0.4;
+/// Correlation of the power half of its period later, from which on it rings.
+constexpr double kRings = -0.5;
+constexpr double kRingsBy = 0.03;
+
+Cause direct(std::string key, Size size, std::string sentence) {
+  Cause cause;
+  cause.key = std::move(key);
+  cause.size = std::move(size);
+  cause.direct = true;
+  cause.sentence = std::move(sentence);
+  return cause;
+}
+
+/// Median and U of its mean, by the median of the deviations (Rousseeuw and Croux 1993).
+struct Middle {
+  double value{};
+  double U{};
+  std::size_t count{};
+};
+
+Middle middleOf(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  Middle middle;
+  middle.count = values.size();
+  if (values.empty()) return middle;
+  const auto median = [](std::vector<double>& v) {
+    const auto half = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+    std::ranges::nth_element(v, half);
+    return *half;
+  };
+  middle.value = median(values);
+  for (double& v : values) v = std::abs(v - middle.value);
+  constexpr double kNormal = 1.4826;
+  middle.U = 2.0 * 1.25 * kNormal * median(values) / std::sqrt(static_cast<double>(middle.count));
+  return middle;
+}
+
+void ofDrives(const Evidence& evidence, std::vector<Cause>& causes) {
+  for (const DriveReading& drive : evidence.drives) {
+    if (drive.setup_violations + drive.hold_violations > 0) {
+      const bool setup = drive.setup_violations >= drive.hold_violations;
+      causes.push_back(direct(
+          "dir_timing", {1e6 * (setup ? drive.least_setup_s : drive.least_hold_s), 0.1, "us"},
+          fmt::format("DIR of {} changes too near to PUL {} times: {:.1f} us {} it where the drive asks for {:.1f} us; steps "
+                      "get lost or go the wrong way at reversals, first at {:.4f} s; move DIR away from PUL in the pulse interrupt.",
+                      drive.axis, drive.setup_violations + drive.hold_violations,
+                      1e6 * (setup ? drive.least_setup_s : drive.least_hold_s), setup ? "before" : "behind",
+                      1e6 * (setup ? drive.setup_s : drive.hold_s), drive.first_violation_s)));
+    }
+    if (drive.width_violations + drive.space_violations > 0)
+      causes.push_back(direct("pulse_width", {static_cast<double>(drive.width_violations + drive.space_violations), 0.0, "pulses"},
+                              fmt::format("{} pulses of {} or pauses between them are shorter than the drive asks for, first at "
+                                          "{:.4f} s: it may miss steps.",
+                                          drive.width_violations + drive.space_violations, drive.axis, drive.first_violation_s)));
+    if (!drive.told || !drive.seen || *drive.told == *drive.seen) continue;
+    // Whether pulses were lost or doubled is told by the way that the axis went then: see lost_steps.h.
+    const auto gone = static_cast<double>(*drive.told - *drive.seen);
+    causes.push_back(direct(
+        kPulsesLost, {std::abs(gone), 0.0, "steps"},
+        fmt::format("The controller counts {} steps of {} and its pins show {}: {} pulses are lost or come twice between its counter "
+                    "and its pins; look at what shares the port or the interrupt.",
+                    *drive.told, drive.axis, *drive.seen, std::abs(*drive.told - *drive.seen))));
+  }
+}
+
+void ofGates(const Evidence& evidence, std::vector<Cause>& causes) {
+  std::vector<double> open, close, energy;
+  for (const GateReading& gate : evidence.gates) {
+    open.push_back(gate.open_late_s);
+    close.push_back(gate.close_late_s);
+    energy.push_back(gate.energy_share);
+  }
+  constexpr double kLeastU_ms = 0.06;
+  const Middle opens = middleOf(open);
+  if (opens.count >= kFewestGates && std::abs(opens.value) > std::max(kGateWorth_s, opens.U)) {
+    const bool late = opens.value > 0.0;
+    const double ms = 1e3 * std::abs(opens.value);
+    const double U_ms = std::max(kLeastU_ms, 1e3 * opens.U);
+    causes.push_back(direct(late ? "gate_late" : "gate_early", {ms, U_ms, "ms"},
+                            fmt::format("The laser's gate opens {} ms {}, behind the pulses and the delay of the axes; {}.", withU(ms, U_ms),
+                                        late ? "late" : "early",
+                                        late ? "begins of lines stay uncut" : "begins of lines are burnt while the beam rests")));
+  }
+  const Middle closes = middleOf(close);
+  if (closes.count >= kFewestGates && std::abs(closes.value) > std::max(kGateWorth_s, closes.U)) {
+    const bool late = closes.value > 0.0;
+    const double ms = 1e3 * std::abs(closes.value);
+    const double U_ms = std::max(kLeastU_ms, 1e3 * closes.U);
+    causes.push_back(direct(late ? "gate_closes_late" : "gate_closes_early", {ms, U_ms, "ms"},
+                            fmt::format("The laser's gate closes {} ms {}.", withU(ms, U_ms), late ? "late" : "early")));
+  }
+  const Middle power = middleOf(energy);
+  if (power.count >= kFewestGates && std::abs(power.value - 1.0) > std::max(kPowerWorth, power.U)) {
+    const double U = std::max(1.0, 100.0 * power.U);
+    causes.push_back(direct("power_scale", {100.0 * (power.value - 1.0), U, "%"},
+                            fmt::format("The pins ask for {} % of the energy per length that was ordered: check the scale of the PWM and "
+                                        "the laser's full power.",
+                                        withU(100.0 * power.value, U))));
+  }
+}
+
+void ofEntities(const Evidence& evidence, std::vector<Cause>& causes) {
+  std::set<int> entities;
+  std::map<int, int> units, missing, twice;
+  std::set<int> not_in_program, twice_in_program;
+  for (const EntityReading& e : evidence.entities) {
+    ++units[e.entity];
+    if (e.coverage < kMissing && e.passes < 0.5) ++missing[e.entity];
+    if (e.passes > kTwice) ++twice[e.entity];
+    if (!e.in_program) not_in_program.insert(e.entity);
+    if (e.times_in_program > 1) twice_in_program.insert(e.entity);
+  }
+  const auto names = [](const std::map<int, int>& of) {
+    std::vector<std::string> list;
+    for (const auto& [entity, count] : of) list.push_back(fmt::format("E{}", entity));
+    return fmt::format("{}", fmt::join(list, ", "));
+  };
+  const bool whole_sheet = missing.size() == units.size();
+  if (!missing.empty() && !whole_sheet) {
+    const bool planned = std::ranges::all_of(missing, [&](const auto& m) { return not_in_program.contains(m.first); });
+    causes.push_back(direct("entity_missing", {static_cast<double>(missing.size()), 0.0, "entities"},
+                            fmt::format("{} is not cut: {}.", names(missing),
+                                        planned ? "it is not in the program, so the planner left it out"
+                                                : "it is in the program, so the release left it out")));
+  }
+  if (!twice.empty()) {
+    const bool planned = std::ranges::any_of(twice, [&](const auto& m) { return twice_in_program.contains(m.first); });
+    causes.push_back(direct("entity_twice", {static_cast<double>(twice.size()), 0.0, "entities"},
+                            fmt::format("{} is cut twice: {}.", names(twice),
+                                        planned ? "it is in the program twice" : "it is in the program once, so the release repeats it")));
+  }
+}
+
+/// The compensation of the kerf, where the edge of the piece is judged.
+void ofKerf(const Evidence& evidence, std::vector<Cause>& causes) {
+  if (!evidence.edges_judged || !(evidence.kerf_radius_mm > 0.0)) return;
+  // By the side on which the program runs beside the line, if it does.
+  std::vector<double> beside, away, with;
+  for (const LineReading& line : evidence.lines) {
+    if (!std::isfinite(line.cut_mm)) continue;
+    away.push_back(std::abs(line.cut_mm));
+    if (!std::isfinite(line.program_mm)) continue;
+    beside.push_back(std::abs(line.program_mm));
+    if (std::abs(line.program_mm) > 0.25 * evidence.kerf_radius_mm)
+      with.push_back(line.program_mm > 0.0 ? line.cut_mm : -line.cut_mm);
+  }
+  const Middle off = middleOf(away);
+  if (off.count < 8 || off.value < kKerfWorth * evidence.limit_mm) return;
+  const Middle program = middleOf(beside);
+  constexpr double kLeastU_mm = 0.01;
+  const double half = evidence.kerf_radius_mm;
+  if (program.count > 0 && program.value < 0.25 * half && std::abs(off.value - half) < 0.5 * half) {
+    causes.push_back(direct("kerf_uncompensated", {off.value, std::max(kLeastU_mm, off.U), "mm"},
+                            fmt::format("The kerf is not compensated: edges lie {} mm off, half of the kerf; give the planner the kerf's "
+                                        "radius.",
+                                        withU(off.value, std::max(kLeastU_mm, off.U)))));
+    return;
+  }
+  const Middle same = middleOf(with);
+  if (same.count < 8 || std::abs(same.value) < kKerfWorth * evidence.limit_mm) return;
+  const double U = std::max(kLeastU_mm, same.U);
+  if (same.value > 0.75 * (program.value + half)) {
+    causes.push_back(direct("kerf_wrong_side", {same.value, U, "mm"},
+                            fmt::format("The kerf is compensated to the wrong side: edges lie {} mm off, the beam runs where the piece is.",
+                                        withU(same.value, U))));
+    return;
+  }
+  causes.push_back(direct("kerf_radius", {same.value, U, "mm"},
+                          fmt::format("The kerf is compensated by {} mm too {}: half of it is {:.3f} mm here.", withU(std::abs(same.value), U),
+                                      same.value > 0.0 ? "much" : "little", half)));
+}
+
+void ofWords(const Evidence& evidence, std::vector<Cause>& causes) {
+  const auto add = [&](const char* key, const std::string& sentence) {
+    if (!sentence.empty()) causes.push_back(direct(key, {}, sentence));
+  };
+  add("gate_inverted", evidence.gate_polarity);
+  add("axes", evidence.axes);
+  if (!evidence.stop.empty()) add("stopped", "The controller stopped by itself: " + evidence.stop + ".");
+  if (evidence.belt && evidence.belt->ratio < 0.0)
+    add("encoder_reversed", "The encoder counts backwards while the sheet runs forwards: change its wires A and B, or its sense in the release.");
+  if (evidence.ripple && evidence.ripple->alternation < kRings && evidence.ripple->rms_share > kRingsBy)
+    causes.push_back(direct("power_rings", {100.0 * evidence.ripple->rms_share, 100.0 * 0.3 * evidence.ripple->rms_share, "%"},
+                            fmt::format("The loop on the measured power rings by {:.0f} % with a period of {:.1f} ms: its gain is too high for the "
+                                        "meter's delay.",
+                                        100.0 * evidence.ripple->rms_share, 1e3 * evidence.ripple->period_s)));
+}
+
+}  // namespace
+
+std::vector<Cause> directCauses(const Evidence& evidence) {
+  std::vector<Cause> causes;
+  ofWords(evidence, causes);
+  ofDrives(evidence, causes);
+  ofEntities(evidence, causes);
+  ofKerf(evidence, causes);
+  ofGates(evidence, causes);
+  if (!evidence.others.empty()) {
+    Cause other;
+    other.key = "others";
+    other.direct = true;
+    other.sentence = evidence.others;
+    causes.push_back(other);
+  }
+  return causes;
+}
+
+}  // namespace kerfbench::diagnose

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/diagnose/fitted_causes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "hil/diagnose/known_causes.h"
+#include "hil/diagnose/lost_steps.h"
+#include "hil/diagnose/stage_fit.h"
+
+namespace kerfbench::diagnose {
+namespace {
+
+/// Gain in score from which a cause is one at all, and a second beside the first.
+constexpr double kWorthOne = 25.0;
+constexpr double kWorthTwo = 30.0;
+/// Causes whose scores lie nearer are not told apart.
+constexpr double kAlike = 6.0;
+/// Share of the path's limit that a cause must move some line by.
+constexpr double kWorthOfLimit = 0.3;
+/// Share of the deviation that a second cause must explain.
+constexpr double kWorthOfShare = 0.03;
+constexpr std::size_t kFewest = 12;
+/// So many of the best are tried together with one that begins at some time.
+constexpr std::size_t kTimedWith = 8;
+
+/// A place at which the cut deviates from the drawing.
+struct Target {
+  Row row;
+  double away_mm{};
+};
+
+std::vector<Target> targetsOf(const Evidence& evidence) {
+  std::vector<Target> targets;
+  for (const LineReading& line : evidence.lines) {
+    const double away_mm = std::isfinite(line.cut_mm) ? line.cut_mm : line.asked_mm;
+    if (!std::isfinite(away_mm)) continue;
+    Row row;
+    row.along = line.normal;
+    row.p_S_mm = line.p_S_mm;
+    row.head = line.head;
+    if (!row.head.known()) continue;
+    row.sheet = line.sheet;
+    row.table_mm = line.table_mm;
+    row.unit = line.unit;
+    targets.push_back({row, away_mm});
+  }
+  return targets;
+}
+
+class Ranker {
+ public:
+  explicit Ranker(const Evidence& evidence)
+      : evidence_(evidence), targets_(targetsOf(evidence)), known_(knownCauses(evidence)) {
+    std::vector<Row> rows = rowsOf(evidence);
+    std::vector<Signature> signatures = signaturesOf(evidence);
+    for (LostSteps& lost : lostSteps(evidence, rows)) {
+      signatures.push_back(lost.signature);
+      known_.push_back(std::move(lost.cause));
+    }
+    fit_.emplace(std::move(rows), std::move(signatures));
+    std::erase_if(known_, [&](const KnownCause& cause) { return !applies(cause); });
+    none_ = fit_->fit({}).chi_square;
+    const auto rows_left = static_cast<double>(fit_->rows()) - static_cast<double>(fit_->signatures().size());
+    scale_ = rows_left > 0.0 ? std::max(1.0, fit_->fit(all()).chi_square / rows_left) : 1.0;
+  }
+
+  Fitted rank() {
+    Fitted fitted;
+    stages(fitted);
+    double square = 0.0;
+    for (const Target& t : targets_) square += t.away_mm * t.away_mm;
+    if (!targets_.empty()) fitted.deviation_mm = std::sqrt(square / static_cast<double>(targets_.size()));
+    if (targets_.size() < kFewest) return fitted;
+    std::vector<Candidate> singles;
+    for (const KnownCause& cause : known_) singles.push_back({{&cause}, scoreOf(cause.hypothesis)});
+    std::ranges::stable_sort(singles, std::greater<>(), &Candidate::score);
+    if (singles.empty() || singles.front().score < kWorthOne) return fitted;
+    Candidate chosen = singles.front();
+    if (const std::optional<Candidate> two = bestPair(singles); two && two->score > chosen.score + kWorthTwo) chosen = *two;
+    for (const KnownCause* cause : chosen.causes) fitted.causes.push_back(told(*cause, chosen));
+    std::erase_if(fitted.causes, [](const Cause& c) { return c.key.empty(); });
+    std::ranges::stable_sort(fitted.causes, std::greater<>(), &Cause::share);
+    return fitted;
+  }
+
+ private:
+  struct Candidate {
+    std::vector<const KnownCause*> causes;
+    double score{};
+  };
+
+  [[nodiscard]] bool applies(const KnownCause& cause) const {
+    return std::ranges::all_of(cause.size_of, [&](const std::string& key) { return fit_->has(key); });
+  }
+
+  /// All but those that begin at some time, which would fit anything together.
+  [[nodiscard]] Hypothesis all() const {
+    Hypothesis everything{"all", {}};
+    for (const Signature& signature : fit_->signatures())
+      if (signature.key.find('@') == std::string::npos) everything.free.push_back(signature.key);
+    return everything;
+  }
+
+  [[nodiscard]] double scoreOf(const Hypothesis& hypothesis) const {
+    const Fit fit = fit_->fit(hypothesis);
+    const double penalty = std::log(static_cast<double>(fit_->rows()));
+    const bool has_time = std::ranges::any_of(
+        hypothesis.free, [](const std::string& key) { return key.find('@') != std::string::npos; });
+    return (none_ - fit.chi_square) / scale_ - penalty * (fit.parameters + (has_time ? 1 : 0));
+  }
+
+  static bool isTimed(const KnownCause& cause) { return cause.size_of.front().find('@') != std::string::npos; }
+
+  /// Of all that are there all the time; of those that begin at some time with the best of these.
+  [[nodiscard]] std::optional<Candidate> bestPair(const std::vector<Candidate>& singles) const {
+    std::vector<const KnownCause*> steady, timed;
+    for (const Candidate& single : singles) (isTimed(*single.causes[0]) ? timed : steady).push_back(single.causes[0]);
+    std::optional<Candidate> best;
+    const auto hold = [&](const KnownCause* a, const KnownCause* b) {
+      if (shared(*a, *b)) return;
+      const double score = scoreOf(both(a->hypothesis, b->hypothesis));
+      if (!best || score > best->score) best = Candidate{{a, b}, score};
+    };
+    for (std::size_t i = 0; i < steady.size(); ++i)
+      for (std::size_t k = i + 1; k < steady.size(); ++k) hold(steady[i], steady[k]);
+    for (std::size_t i = 0; i < std::min(kTimedWith, steady.size()); ++i)
+      for (const KnownCause* cause : timed) hold(steady[i], cause);
+    if (!timed.empty())
+      for (std::size_t k = 1; k < timed.size(); ++k) hold(timed[0], timed[k]);
+    return best;
+  }
+
+  /// Two ways to say the same: pairs of them are none.
+  static bool shared(const KnownCause& a, const KnownCause& b) {
+    return std::ranges::any_of(a.size_of, [&](const std::string& key) {
+      return std::ranges::find(b.size_of, key) != b.size_of.end() ||
+             std::ranges::find(b.hypothesis.free, key) != b.hypothesis.free.end();
+    }) || (a.key == b.key);
+  }
+
+  /// The hypothesis of a candidate with sizes to be found in place of known ones.
+  [[nodiscard]] static Hypothesis freed(const Candidate& candidate) {
+    Hypothesis hypothesis;
+    for (const KnownCause* cause : candidate.causes) {
+      for (const std::string& key : cause->hypothesis.free) hypothesis.free.push_back(key);
+      for (const std::string& key : cause->size_of)
+        if (std::ranges::find(hypothesis.free, key) == hypothesis.free.end()) hypothesis.free.push_back(key);
+    }
+    return hypothesis;
+  }
+
+  [[nodiscard]] std::vector<double> movedBy(const KnownCause& cause, const Eigen::VectorXd& sizes) const {
+    std::set<std::string> keys(cause.size_of.begin(), cause.size_of.end());
+    keys.insert(cause.hypothesis.free.begin(), cause.hypothesis.free.end());
+    std::vector<double> moved(targets_.size(), 0.0);
+    for (const std::string& key : keys) {
+      const std::size_t k = fit_->indexOf(key);
+      if (k >= fit_->signatures().size()) continue;
+      const double size = sizes(static_cast<Eigen::Index>(k));
+      for (std::size_t i = 0; i < targets_.size(); ++i)
+        moved[i] += size * fit_->signatures()[k].displacement_mm(targets_[i].row).dot(targets_[i].row.along);
+    }
+    return moved;
+  }
+
+  /// The cause with its size; without a key if it moves no line by enough.
+  [[nodiscard]] Cause told(const KnownCause& known, const Candidate& chosen) const {
+    const Fit fit = fit_->fit(freed(chosen));
+    Cause cause;
+    std::vector<double> sizes;
+    double square = 0.0, variance = 0.0;
+    for (const std::string& key : known.size_of) {
+      const auto k = static_cast<Eigen::Index>(fit_->indexOf(key));
+      sizes.push_back(known.factor * fit.size(k));
+      square += sizes.back() * sizes.back();
+      variance = std::max(variance, known.factor * known.factor * scale_ * fit.covariance(k, k));
+    }
+    cause.size = {sizes.size() == 1 ? sizes[0] : std::sqrt(square), 2.0 * std::sqrt(variance), known.unit};
+    const std::vector<double> moved = movedBy(known, fit.size);
+    double before = 0.0, after = 0.0, most = 0.0;
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+      const double away = targets_[i].away_mm;
+      before += away * away;
+      after += (away - moved[i]) * (away - moved[i]);
+      most = std::max(most, std::abs(moved[i]));
+    }
+    cause.share = before > 0.0 ? std::max(0.0, 1.0 - after / before) : 0.0;
+    cause.left_mm = std::sqrt(after / static_cast<double>(targets_.size()));
+    cause.score = chosen.score;
+    if (most < kWorthOfLimit * evidence_.limit_mm) return {};
+    if (chosen.causes.size() > 1 && cause.share < kWorthOfShare && most < evidence_.limit_mm) return {};
+    cause.key = known.key == kPulsesLost && cause.size.value < 0.0 ? kPulsesDoubled : known.key;
+    if (isTimed(known)) cause.size.value = std::abs(cause.size.value);
+    cause.instead = alternatives(known, chosen);
+    cause.sentence = fmt::format("{}: explains {:.0f} % of the deviation, {:.3f} mm RMS are left; {}.",
+                                 known.what(sizes, cause.size.U), 100.0 * cause.share, cause.left_mm,
+                                 known.advice(sizes));
+    return cause;
+  }
+
+  /// What would explain it as well in place of one of the chosen.
+  [[nodiscard]] std::vector<std::string> alternatives(const KnownCause& known, const Candidate& chosen) const {
+    std::vector<std::string> keys;
+    for (const KnownCause& other : known_) {
+      if (other.key == known.key || std::ranges::find(keys, other.key) != keys.end()) continue;
+      Hypothesis hypothesis = other.hypothesis;
+      bool is_chosen = false;
+      for (const KnownCause* cause : chosen.causes) {
+        is_chosen |= cause == &other;
+        if (cause != &known) hypothesis = both(hypothesis, cause->hypothesis);
+      }
+      if (!is_chosen && scoreOf(hypothesis) > chosen.score - kAlike) keys.push_back(other.key);
+    }
+    return keys;
+  }
+
+  void stages(Fitted& fitted) const {
+    std::vector<double> counts(3, 0.0);
+    for (const Row& row : fit_->all()) {
+      if (row.of_spot) continue;
+      const auto stage = static_cast<std::size_t>(row.stage);
+      fitted.stage_mm2[stage] += row.y_mm * row.y_mm;
+      counts[stage] += 1.0;
+    }
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      if (counts[i] > 0.0) fitted.stage_mm2[i] /= counts[i];
+  }
+
+  const Evidence& evidence_;
+  std::vector<Target> targets_;
+  std::vector<KnownCause> known_;
+  std::optional<StageFit> fit_;
+  double none_{};
+  double scale_{1.0};
+};
+
+}  // namespace
+
+Fitted fittedCauses(const Evidence& evidence) { return Ranker(evidence).rank(); }
+
+}  // namespace kerfbench::diagnose
