@@ -63,6 +63,11 @@ Diagnosis diagnose(const Evidence& evidence) {
   if (!evidence.edges_judged) fitted = fittedCauses(evidence);
   diagnosis.deviation_mm = fitted.deviation_mm;
   merge(direct, fitted.causes);
+  // Steps that go the wrong way at reversals look like play, and like a slip.
+  if (has(direct, "dir_timing"))
+    std::erase_if(fitted.causes, [](const Cause& cause) {
+      return cause.key == "backlash_x" || cause.key == "backlash_y" || cause.key == "axis_slipped";
+    });
   // Axes that are swapped, or a gate that is inverted, leave nothing to be fitted.
   if (has(direct, "axes") || has(direct, "gate_inverted") || has(direct, "encoder_reversed")) fitted.causes.clear();
   diagnosis.causes = std::move(direct);

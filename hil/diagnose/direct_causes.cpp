@@ -99,7 +99,7 @@ void ofGates(const Evidence& evidence, std::vector<Cause>& causes) {
   }
   constexpr double kLeastU_ms = 0.06;
   const Middle opens = middleOf(open);
-  if (opens.count >= kFewestGates && std::abs(opens.value) > std::max(kGateWorth_s, opens.U)) {
+  if (opens.count >= kFewestGates && std::abs(opens.value) > std::max(kGateWorth_s, 2.0 * opens.U)) {
     const bool late = opens.value > 0.0;
     const double ms = 1e3 * std::abs(opens.value);
     const double U_ms = std::max(kLeastU_ms, 1e3 * opens.U);
@@ -109,7 +109,7 @@ void ofGates(const Evidence& evidence, std::vector<Cause>& causes) {
                                         late ? "begins of lines stay uncut" : "begins of lines are burnt while the beam rests")));
   }
   const Middle closes = middleOf(close);
-  if (closes.count >= kFewestGates && std::abs(closes.value) > std::max(kGateWorth_s, closes.U)) {
+  if (closes.count >= kFewestGates && std::abs(closes.value) > std::max(kGateWorth_s, 2.0 * closes.U)) {
     const bool late = closes.value > 0.0;
     const double ms = 1e3 * std::abs(closes.value);
     const double U_ms = std::max(kLeastU_ms, 1e3 * closes.U);
@@ -130,9 +130,18 @@ void ofEntities(const Evidence& evidence, std::vector<Cause>& causes) {
   std::set<int> entities;
   std::map<int, int> units, missing, twice;
   std::set<int> not_in_program, twice_in_program;
+  // A line that lies so far off that no camera finds it is not missing.
+  std::map<std::pair<int, int>, std::pair<int, int>> asked;
+  for (const LineReading& line : evidence.lines) {
+    auto& [of, all] = asked[{line.unit, line.entity}];
+    of += std::isfinite(line.asked_mm) ? 1 : 0;
+    ++all;
+  }
   for (const EntityReading& e : evidence.entities) {
     ++units[e.entity];
-    if (e.coverage < kMissing && e.passes < 0.5) ++missing[e.entity];
+    const auto& [of, all] = asked[{e.unit, e.entity}];
+    const bool was_led_there = e.in_program && (2 * of > all || !evidence.gates.empty());
+    if (e.coverage < kMissing && e.passes < 0.5 && !was_led_there) ++missing[e.entity];
     if (e.passes > kTwice) ++twice[e.entity];
     if (!e.in_program) not_in_program.insert(e.entity);
     if (e.times_in_program > 1) twice_in_program.insert(e.entity);
@@ -201,10 +210,16 @@ void ofWords(const Evidence& evidence, std::vector<Cause>& causes) {
   const auto add = [&](const char* key, const std::string& sentence) {
     if (!sentence.empty()) causes.push_back(direct(key, {}, sentence));
   };
+  constexpr double kLongWay_mm = 100.0;
+  if (evidence.sheet_moves && evidence.openings == 0 && evidence.belt_travel_mm > kLongWay_mm && evidence.stop.empty())
+    add("encoder_reversed",
+        fmt::format("The release never began to cut though the belt ran {:.0f} mm: it does not see the belt come. Check the encoder's sense "
+                    "(wires A and B), then the print mark's sensor.",
+                    evidence.belt_travel_mm));
   add("gate_inverted", evidence.gate_polarity);
   add("axes", evidence.axes);
   if (!evidence.stop.empty()) add("stopped", "The controller stopped by itself: " + evidence.stop + ".");
-  if (evidence.belt && evidence.belt->ratio < 0.0)
+  if (evidence.encoder_backwards || (evidence.belt && evidence.belt->ratio < 0.0))
     add("encoder_reversed", "The encoder counts backwards while the sheet runs forwards: change its wires A and B, or its sense in the release.");
   if (evidence.ripple && evidence.ripple->alternation < kRings && evidence.ripple->rms_share > kRingsBy)
     causes.push_back(direct("power_rings", {100.0 * evidence.ripple->rms_share, 100.0 * 0.3 * evidence.ripple->rms_share, "%"},
@@ -221,7 +236,7 @@ std::vector<Cause> directCauses(const Evidence& evidence) {
   ofDrives(evidence, causes);
   ofEntities(evidence, causes);
   ofKerf(evidence, causes);
-  ofGates(evidence, causes);
+  if (evidence.gate_polarity.empty() && evidence.axes.empty()) ofGates(evidence, causes);
   if (!evidence.others.empty()) {
     Cause other;
     other.key = "others";

@@ -52,6 +52,9 @@ struct HeadState {
   Eigen::Vector2d p_mm{kUnknown, kUnknown};
   Eigen::Vector2d v_mm_s{0, 0};
   Eigen::Vector2d a_mm_s2{0, 0};
+  /// Flank of a small play on which each axis stands, by its last motion: 1 moved forwards, -1 backwards.
+  Eigen::Vector2d flank{0, 0};
+  Eigen::Vector2d forward_mm{0, 0};  ///< Way of each axis forwards since the begin.
   [[nodiscard]] bool known() const { return time_s == time_s; }
 };
 
@@ -144,6 +147,9 @@ struct Evidence {
   double ordered_radius_mm{};  ///< Half of the kerf by which the program was compensated; 0: it was not.
   double planned_speed_mm_s{};  ///< Of the belt.
   bool sheet_moves{};
+  bool encoder_backwards{};  ///< The encoder counts backwards while the line runs forwards.
+  double belt_travel_mm{};   ///< By the encoder, through the whole run.
+  int openings{};            ///< Of the laser's gate.
   Eigen::Vector2d drawing_centre_mm{0, 0};
   std::vector<LineReading> lines;
   std::vector<SpotReading> spots;

@@ -91,7 +91,8 @@ void members(V& v, T& x)
 
 template <typename V, typename T>
 void headMembers(V& v, T& x) {
-  v.take(x.time_s), v.take(x.p_mm), v.take(x.v_mm_s), v.take(x.a_mm_s2);
+  v.take(x.time_s), v.take(x.p_mm), v.take(x.v_mm_s), v.take(x.a_mm_s2), v.take(x.flank);
+  v.take(x.forward_mm);
 }
 
 template <typename V, typename T>
@@ -142,7 +143,7 @@ void members(V& v, T& x)
 template <typename V, typename T>
 void scalars(V& v, T& e) {
   v.take(e.limit_mm), v.take(e.passed), v.take(e.failed), v.take(e.edges_judged), v.take(e.kerf_radius_mm);
-  v.take(e.ordered_radius_mm), v.take(e.planned_speed_mm_s), v.take(e.sheet_moves), v.take(e.drawing_centre_mm);
+  v.take(e.ordered_radius_mm), v.take(e.planned_speed_mm_s), v.take(e.sheet_moves), v.take(e.encoder_backwards), v.take(e.belt_travel_mm), v.take(e.openings), v.take(e.drawing_centre_mm);
   v.take(e.stop), v.take(e.axes), v.take(e.gate_polarity), v.take(e.others);
 }
 
@@ -177,7 +178,7 @@ std::string evidenceJson(const Evidence& evidence) {
   Json json;
   Writer writer;
   scalars(writer, evidence);
-  json["version"] = 1;
+  json["version"] = 3;
   json["run"] = writer.json;
   json["machine"] = one(evidence.machine);
   json["spread"] = one(evidence.spread);
@@ -205,7 +206,7 @@ std::string evidenceJson(const Evidence& evidence) {
 Evidence evidenceFromJson(const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    if (json.at("version") != 1) throw std::runtime_error("evidence of a diagnosis: another version");
+    if (json.at("version") != 3) throw std::runtime_error("evidence of a diagnosis: another version");
     Evidence evidence;
     Reader reader(json.at("run"));
     scalars(reader, evidence);

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
@@ -18,14 +21,21 @@ namespace kerfbench::diagnose {
 namespace {
 
 /// Gain in score from which a cause is one at all, and a second beside the first.
-constexpr double kWorthOne = 25.0;
+constexpr double kWorthOne = 6.0;
 constexpr double kWorthTwo = 30.0;
 /// Causes whose scores lie nearer are not told apart.
 constexpr double kAlike = 6.0;
 /// Share of the path's limit that a cause must move some line by.
 constexpr double kWorthOfLimit = 0.3;
-/// Share of the deviation that a second cause must explain.
-constexpr double kWorthOfShare = 0.03;
+/// The same of each of two.
+constexpr double kWorthOfTwo = 0.7;
+/// Relative standard uncertainty of sizes by what the signatures leave out: terms of the second order.
+constexpr double kModel = 0.005;
+constexpr double kGrossModel = 0.015;
+/// Deviations from here on leave more of the second order than a second cause would: one is looked for.
+constexpr double kGross_mm = 0.6;
+/// So many of those that fit best are tried for one that moves anything by enough.
+constexpr std::size_t kTried = 4;
 constexpr std::size_t kFewest = 12;
 /// So many of the best are tried together with one that begins at some time.
 constexpr std::size_t kTimedWith = 8;
@@ -64,11 +74,13 @@ class Ranker {
       signatures.push_back(lost.signature);
       known_.push_back(std::move(lost.cause));
     }
+    std::ranges::move(leakingPulses(evidence), std::back_inserter(known_));
+    fit_.emplace(rows, signatures);
+    widen(rows);
     fit_.emplace(std::move(rows), std::move(signatures));
     std::erase_if(known_, [&](const KnownCause& cause) { return !applies(cause); });
     none_ = fit_->fit({}).chi_square;
-    const auto rows_left = static_cast<double>(fit_->rows()) - static_cast<double>(fit_->signatures().size());
-    scale_ = rows_left > 0.0 ? std::max(1.0, fit_->fit(all()).chi_square / rows_left) : 1.0;
+    penalty_ = std::log(static_cast<double>(std::max(kFewest, targets_.size())));
   }
 
   Fitted rank() {
@@ -78,14 +90,27 @@ class Ranker {
     for (const Target& t : targets_) square += t.away_mm * t.away_mm;
     if (!targets_.empty()) fitted.deviation_mm = std::sqrt(square / static_cast<double>(targets_.size()));
     if (targets_.size() < kFewest) return fitted;
+    fitted_mm_ = fitted.deviation_mm;
+    if (std::getenv("DIAGDEBUG") != nullptr) {
+      std::vector<std::pair<double, std::string>> all;
+      for (const KnownCause& c : known_) all.push_back({scoreOf(c.hypothesis), c.key + " " + c.size_of[0]});
+      std::ranges::sort(all, std::greater<>());
+      for (std::size_t i = 0; i < std::min<std::size_t>(8, all.size()); ++i) fmt::print(stderr, "  {:.1f} {}\n", all[i].first, all[i].second);
+    }
     std::vector<Candidate> singles;
-    for (const KnownCause& cause : known_) singles.push_back({{&cause}, scoreOf(cause.hypothesis)});
+    for (const KnownCause& cause : known_) singles.push_back({{&cause}, scoreOf(cause.hypothesis) - unlikely(cause)});
     std::ranges::stable_sort(singles, std::greater<>(), &Candidate::score);
     if (singles.empty() || singles.front().score < kWorthOne) return fitted;
-    Candidate chosen = singles.front();
-    if (const std::optional<Candidate> two = bestPair(singles); two && two->score > chosen.score + kWorthTwo) chosen = *two;
-    for (const KnownCause* cause : chosen.causes) fitted.causes.push_back(told(*cause, chosen));
-    std::erase_if(fitted.causes, [](const Cause& c) { return c.key.empty(); });
+    Candidate chosen;
+    for (std::size_t i = 0; i < std::min(kTried, singles.size()) && fitted.causes.empty(); ++i) {
+      if (singles[i].score < kWorthOne) break;
+      chosen = singles[i];
+      fitted.causes = toldAll(chosen);
+    }
+    if (fitted.causes.empty() || !(fitted.deviation_mm < kGross_mm)) return fitted;
+    const std::optional<Candidate> two = bestPair(singles);
+    if (!two || two->score < chosen.score + kWorthTwo) return fitted;
+    if (std::vector<Cause> pair = toldAll(*two); pair.size() == 2) fitted.causes = std::move(pair);
     std::ranges::stable_sort(fitted.causes, std::greater<>(), &Cause::share);
     return fitted;
   }
@@ -96,8 +121,28 @@ class Ranker {
     double score{};
   };
 
+  /// Pulses of one sense that come twice now and then look like those of the other that get lost, which they do
+  /// more often.
+  [[nodiscard]] double unlikely(const KnownCause& cause) const {
+    if (cause.key != kPulsesLost || isTimed(cause)) return 0.0;
+    const auto k = static_cast<Eigen::Index>(fit_->indexOf(cause.size_of.front()));
+    return cause.factor * fit_->fit(cause.hypothesis).size(k) < 0.0 ? 2.0 * kAlike : 0.0;
+  }
+
   [[nodiscard]] bool applies(const KnownCause& cause) const {
     return std::ranges::all_of(cause.size_of, [&](const std::string& key) { return fit_->has(key); });
+  }
+
+  /// Makes the rows of each stage as uncertain as what all causes together leave of them shows.
+  void widen(std::vector<Row>& rows) const {
+    const Fit everything = fit_->fit(all());
+    for (const Stage stage : {Stage::kProgram, Stage::kController, Stage::kMachine}) {
+      const auto [square, count] = fit_->left(everything, stage);
+      if (count == 0) continue;
+      const double factor = std::sqrt(std::max(1.0, square / static_cast<double>(count)));
+      for (Row& row : rows)
+        if (row.stage == stage) row.sigma_mm *= factor;
+    }
   }
 
   /// All but those that begin at some time, which would fit anything together.
@@ -110,10 +155,9 @@ class Ranker {
 
   [[nodiscard]] double scoreOf(const Hypothesis& hypothesis) const {
     const Fit fit = fit_->fit(hypothesis);
-    const double penalty = std::log(static_cast<double>(fit_->rows()));
     const bool has_time = std::ranges::any_of(
         hypothesis.free, [](const std::string& key) { return key.find('@') != std::string::npos; });
-    return (none_ - fit.chi_square) / scale_ - penalty * (fit.parameters + (has_time ? 1 : 0));
+    return none_ - fit.chi_square - penalty_ * (fit.parameters + (has_time ? 1 : 0));
   }
 
   static bool isTimed(const KnownCause& cause) { return cause.size_of.front().find('@') != std::string::npos; }
@@ -156,21 +200,54 @@ class Ranker {
     return hypothesis;
   }
 
-  [[nodiscard]] std::vector<double> movedBy(const KnownCause& cause, const Eigen::VectorXd& sizes) const {
+  /// What a cause explains of deviations, of lines or of spots.
+  struct Explained {
+    double before{}, after{}, most_mm{};
+    std::size_t count{};
+    [[nodiscard]] double share() const { return before > 0.0 ? std::max(0.0, 1.0 - after / before) : 0.0; }
+    void take(double away_mm, double moved_mm) {
+      before += away_mm * away_mm;
+      after += (away_mm - moved_mm) * (away_mm - moved_mm);
+      most_mm = std::max(most_mm, std::abs(moved_mm));
+      ++count;
+    }
+  };
+
+  [[nodiscard]] double movedBy(const KnownCause& cause, const Eigen::VectorXd& sizes, const Row& row) const {
     std::set<std::string> keys(cause.size_of.begin(), cause.size_of.end());
     keys.insert(cause.hypothesis.free.begin(), cause.hypothesis.free.end());
-    std::vector<double> moved(targets_.size(), 0.0);
+    double moved_mm = 0.0;
     for (const std::string& key : keys) {
       const std::size_t k = fit_->indexOf(key);
       if (k >= fit_->signatures().size()) continue;
-      const double size = sizes(static_cast<Eigen::Index>(k));
-      for (std::size_t i = 0; i < targets_.size(); ++i)
-        moved[i] += size * fit_->signatures()[k].displacement_mm(targets_[i].row).dot(targets_[i].row.along);
+      moved_mm += sizes(static_cast<Eigen::Index>(k)) *
+                  fit_->signatures()[k].displacement_mm(row).dot(row.along);
     }
-    return moved;
+    return moved_mm;
   }
 
-  /// The cause with its size; without a key if it moves no line by enough.
+  /// Of the lines; of the spots where the cause moves no line aside, but the beam along them.
+  [[nodiscard]] Explained explainedBy(const KnownCause& cause, const Eigen::VectorXd& sizes) const {
+    Explained lines;
+    for (const Target& target : targets_) lines.take(target.away_mm, movedBy(cause, sizes, target.row));
+    const std::size_t k = fit_->indexOf(cause.size_of.front());
+    if (lines.most_mm >= kWorthOfLimit * evidence_.limit_mm || fit_->signatures()[k].stage != Stage::kMachine)
+      return lines;
+    Explained spots;
+    for (const Row& row : fit_->all())
+      if (row.of_spot) spots.take(row.y_mm, movedBy(cause, sizes, row));
+    return spots;
+  }
+
+  /// All causes of a candidate that move lines, or the spot along them, by enough.
+  [[nodiscard]] std::vector<Cause> toldAll(const Candidate& chosen) const {
+    std::vector<Cause> causes;
+    for (const KnownCause* cause : chosen.causes) causes.push_back(told(*cause, chosen));
+    std::erase_if(causes, [](const Cause& c) { return c.key.empty(); });
+    return causes;
+  }
+
+  /// The cause with its size; without a key if it moves nothing by enough.
   [[nodiscard]] Cause told(const KnownCause& known, const Candidate& chosen) const {
     const Fit fit = fit_->fit(freed(chosen));
     Cause cause;
@@ -180,24 +257,21 @@ class Ranker {
       const auto k = static_cast<Eigen::Index>(fit_->indexOf(key));
       sizes.push_back(known.factor * fit.size(k));
       square += sizes.back() * sizes.back();
-      variance = std::max(variance, known.factor * known.factor * scale_ * fit.covariance(k, k));
+      // What the machine has of it within its tolerances is part of what is measured.
+      const double usual = fit_->signatures()[static_cast<std::size_t>(k)].usual;
+      variance = std::max(variance, known.factor * known.factor * (fit.covariance(k, k) + usual * usual));
     }
+    const double gross = fitted_mm_ > kGross_mm ? kGrossModel : kModel;
+    variance += square * std::max(known.model, gross) * std::max(known.model, gross);
     cause.size = {sizes.size() == 1 ? sizes[0] : std::sqrt(square), 2.0 * std::sqrt(variance), known.unit};
-    const std::vector<double> moved = movedBy(known, fit.size);
-    double before = 0.0, after = 0.0, most = 0.0;
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
-      const double away = targets_[i].away_mm;
-      before += away * away;
-      after += (away - moved[i]) * (away - moved[i]);
-      most = std::max(most, std::abs(moved[i]));
-    }
-    cause.share = before > 0.0 ? std::max(0.0, 1.0 - after / before) : 0.0;
-    cause.left_mm = std::sqrt(after / static_cast<double>(targets_.size()));
+    const Explained explained = explainedBy(known, fit.size);
+    cause.share = explained.share();
+    cause.left_mm = std::sqrt(explained.after / static_cast<double>(std::max<std::size_t>(1, explained.count)));
     cause.score = chosen.score;
-    if (most < kWorthOfLimit * evidence_.limit_mm) return {};
-    if (chosen.causes.size() > 1 && cause.share < kWorthOfShare && most < evidence_.limit_mm) return {};
+    if (explained.most_mm < kWorthOfLimit * evidence_.limit_mm) return {};
+    if (chosen.causes.size() > 1 && explained.most_mm < kWorthOfTwo * evidence_.limit_mm) return {};
     cause.key = known.key == kPulsesLost && cause.size.value < 0.0 ? kPulsesDoubled : known.key;
-    if (isTimed(known)) cause.size.value = std::abs(cause.size.value);
+    if (isTimed(known) || known.key == kPulsesLost) cause.size.value = std::abs(cause.size.value);
     cause.instead = alternatives(known, chosen);
     cause.sentence = fmt::format("{}: explains {:.0f} % of the deviation, {:.3f} mm RMS are left; {}.",
                                  known.what(sizes, cause.size.U), 100.0 * cause.share, cause.left_mm,
@@ -238,7 +312,8 @@ class Ranker {
   std::vector<KnownCause> known_;
   std::optional<StageFit> fit_;
   double none_{};
-  double scale_{1.0};
+  double fitted_mm_{};
+  double penalty_{};
 };
 
 }  // namespace

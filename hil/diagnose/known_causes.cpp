@@ -119,7 +119,13 @@ void ofBelt(const Evidence& evidence, std::vector<KnownCause>& list) {
                                              s[0] > 0.0 ? "old when it is used" : "ahead of the belt");
                         },
                         advice("the deviation along x goes with the belt's speed: look for a delay between encoder and pulses")));
-  list.push_back({"mean_speed", {"mean_speed", {}, {{"plan_speed", 1.0}}}, {"plan_speed"}, kPercent, "%",
+  // Where a unit begins is no matter of its speed.
+  std::vector<std::string> begins{"mark"};
+  for (const LineReading& line : evidence.lines) {
+    const std::string key = fmt::format("mark_of_{}", line.unit);
+    if (std::ranges::find(begins, key) == begins.end()) begins.push_back(key);
+  }
+  list.push_back({"mean_speed", {"mean_speed", begins, {{"plan_speed", 1.0}}}, {"plan_speed"}, kPercent, "%",
                   [](const Sizes& s, double U) {
                     return fmt::format("The planned speed of the belt is used in place of its encoder ({} % of the "
                                        "belt's departures are not followed)", withU(s[0], U));
@@ -186,11 +192,16 @@ void ofDrives(const Evidence& evidence, std::vector<KnownCause>& list) {
   list.push_back(linear("loop_soft", "sway", 1e6, "um per m/s2",
                         [](const Sizes& s, double U) { return fmt::format("The axes give way by {} um for each m/s² that they are asked for", withU(s[0], U)); },
                         advice("a loop too slow, a resonance or too hard a jerk: hooks at starts and corners; ask for less acceleration or jerk")));
+  // A loop that trails more also swings otherwise; friction winds up what is behind a play.
+  constexpr double kSecondOrder = 0.03;
+  for (KnownCause& cause : list)
+    if (cause.unit == "ms" && cause.key != "latency") cause.model = kSecondOrder;
   for (const char* const axis : {"X", "Y"}) {
     const std::string key = *axis == 'X' ? "backlash_x" : "backlash_y";
     list.push_back(linear(key, key, 1.0, "mm",
                           [axis](const Sizes& s, double U) { return fmt::format("{} has a play of {} mm", axis, withU(s[0], U)); },
                           advice("lines that are cut the other way lie aside: check belt, pinion and coupling of that axis")));
+    list.back().model = kSecondOrder;
   }
 }
 

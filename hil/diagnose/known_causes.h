@@ -22,6 +22,8 @@ struct KnownCause {
   std::function<std::string(const std::vector<double>& sizes, double U)> what;
   /// What to look at, a clause.
   std::function<std::string(const std::vector<double>& sizes)> advice;
+  /// Relative standard uncertainty of its size by what its signature leaves out.
+  double model{};
 };
 
 /// All of them for a machine, the plainer before what looks alike.

@@ -102,4 +102,33 @@ std::vector<LostSteps> lostSteps(const Evidence& evidence, const std::vector<Row
   return list;
 }
 
+std::vector<KnownCause> leakingPulses(const Evidence& evidence) {
+  std::vector<KnownCause> list;
+  double most_mm[2] = {0.0, 0.0};
+  for (const LineReading& line : evidence.lines)
+    for (int axis = 0; axis < 2; ++axis) most_mm[axis] = std::max(most_mm[axis], line.head.forward_mm[axis]);
+  for (int axis = 0; axis < 2; ++axis) {
+    const double step_mm = evidence.machine.step_mm[axis];
+    if (!(step_mm > 0.0)) continue;
+    for (const bool forward : {true, false}) {
+      const std::string key = fmt::format("leak_{}_{}", axis == 0 ? "x" : "y", forward ? "forward" : "back");
+      KnownCause cause;
+      cause.key = kPulsesLost;
+      cause.hypothesis = {cause.key, {key}};
+      cause.size_of = {key};
+      cause.factor = (forward ? -1.0 : 1.0) * most_mm[axis] / step_mm;
+      cause.unit = "steps";
+      cause.what = [=](const std::vector<double>& s, double U) {
+        return fmt::format("Now and then, {} in all, pulses of {} that lead {} {}", withU(std::abs(s[0]), U), axisName(axis),
+                           forward ? "forwards" : "backwards", s[0] < 0.0 ? "come twice" : "get lost");
+      };
+      cause.advice = [](const std::vector<double>&) {
+        return std::string("lines lie farther aside the later they are cut: look at what shares the interrupt (UART, log)");
+      };
+      list.push_back(std::move(cause));
+    }
+  }
+  return list;
+}
+
 }  // namespace kerfbench::diagnose

@@ -21,4 +21,7 @@ struct LostSteps {
 /// then were doubled, the others lost.
 std::vector<LostSteps> lostSteps(const Evidence& evidence, const std::vector<Row>& rows);
 
+/// Pulses of one sense that get lost, or come twice, now and then through the whole run.
+std::vector<KnownCause> leakingPulses(const Evidence& evidence);
+
 }  // namespace kerfbench::diagnose

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,14 +19,13 @@ constexpr double kProgramSigma_mm = 0.001;
 constexpr double kControllerSigma_mm = 0.005;
 constexpr double kMachineSigma_mm = 0.006;
 constexpr double kSpotSigma_mm = 0.012;
+/// An axis that rests along a line stands on a whole step, up to half of one off: uniform, so step / sqrt(12).
+constexpr double kWholeStep = 0.289;
 /// Place at which MachineSpread::head_bend_mm is stated.
 constexpr double kBendAt_mm = 50.0;
-/// Speed from which on an axis is surely on one side of its play.
-constexpr double kCreep_mm_s = 2.0;
 
-double sideOf(double speed_mm_s) { return speed_mm_s / std::hypot(speed_mm_s, kCreep_mm_s); }
-
-void addLine(const LineReading& line, std::vector<Row>& rows) {
+/// `curvature`: of the drawn line, 1/mm. Far beside a bend the normal meets the way elsewhere.
+void addLine(const LineReading& line, double curvature, std::vector<Row>& rows) {
   Row row;
   row.along = line.normal;
   row.p_S_mm = line.p_S_mm;
@@ -32,11 +33,12 @@ void addLine(const LineReading& line, std::vector<Row>& rows) {
   row.sheet = line.sheet;
   row.table_mm = line.table_mm;
   row.unit = line.unit;
+  row.entity = line.entity;
   const bool has_program = std::isfinite(line.program_mm);
   const auto add = [&](Stage stage, double y_mm, double sigma_mm) {
     row.stage = stage;
     row.y_mm = y_mm;
-    row.sigma_mm = sigma_mm;
+    row.sigma_mm = std::hypot(sigma_mm, curvature * y_mm * y_mm);
     rows.push_back(row);
   };
   // The program is the same for all units.
@@ -62,6 +64,18 @@ void ofProgram(const Evidence& evidence, std::vector<Signature>& list) {
   add("program_shear", [](const Vector2d& p) { return Vector2d(p.y(), 0.0); });
 }
 
+/// Errors that all readings of one line share.
+void ofLines(const Evidence& evidence, std::vector<Signature>& list) {
+  std::set<std::pair<int, int>> lines;
+  for (const LineReading& line : evidence.lines) lines.insert({line.unit, line.entity});
+  const double step_mm = kWholeStep * evidence.machine.step_mm.maxCoeff();
+  for (const auto& [unit, entity] : lines)
+    list.push_back({fmt::format("line_{}_{}", unit, entity), Stage::kController, step_mm,
+                    [unit = unit, entity = entity](const Row& row) {
+                      return Vector2d(row.unit == unit && row.entity == entity ? row.along : Vector2d(0.0, 0.0));
+                    }});
+}
+
 void ofController(const Evidence& evidence, std::vector<Signature>& list) {
   const MachineSpread& spread = evidence.spread;
   const auto add = [&](const char* key, double usual, std::function<Vector2d(const Row&)> at) {
@@ -79,6 +93,11 @@ void ofController(const Evidence& evidence, std::vector<Signature>& list) {
     add("pincushion", 0.0, [machine](const Row& row) { return withoutPincushion_mm(machine, row.head.p_mm); });
   }
   if (evidence.machine.has_table) add("table", 0.0, [](const Row& row) { return row.table_mm; });
+  // Pulses that get lost now and then in one sense: what is lost of them goes with the way that is gone in it.
+  add("leak_x_forward", 0.0, [](const Row& row) { return Vector2d(row.head.forward_mm.x(), 0.0); });
+  add("leak_x_back", 0.0, [](const Row& row) { return Vector2d(row.head.forward_mm.x() - row.head.p_mm.x(), 0.0); });
+  add("leak_y_forward", 0.0, [](const Row& row) { return Vector2d(0.0, row.head.forward_mm.y()); });
+  add("leak_y_back", 0.0, [](const Row& row) { return Vector2d(0.0, row.head.forward_mm.y() - row.head.p_mm.y()); });
   if (!evidence.sheet_moves) return;
   add("encoder", spread.encoder_scale,
       [](const Row& row) { return Vector2d(row.sheet.since_mark_mm, 0.0); });
@@ -109,9 +128,9 @@ void ofMachine(const Evidence& evidence, std::vector<Signature>& list) {
   add("lag_y", spread.lag_s, [](const Row& row) { return Vector2d(0.0, -row.head.v_mm_s.y()); });
   add("sway", 0.0, [](const Row& row) { return Vector2d(-row.head.a_mm_s2); });
   add("backlash_x", spread.backlash_mm,
-      [](const Row& row) { return Vector2d(-0.5 * sideOf(row.head.v_mm_s.x()), 0.0); });
+      [](const Row& row) { return Vector2d(-0.5 * row.head.flank.x(), 0.0); });
   add("backlash_y", spread.backlash_mm,
-      [](const Row& row) { return Vector2d(0.0, -0.5 * sideOf(row.head.v_mm_s.y())); });
+      [](const Row& row) { return Vector2d(0.0, -0.5 * row.head.flank.y()); });
   if (evidence.machine.has_table) add("head_table", 0.0, [](const Row& row) { return row.table_mm; });
   // Bends of the field: a table of another head leaves them.
   for (int axis = 0; axis < 2; ++axis) {
@@ -133,7 +152,13 @@ void ofMachine(const Evidence& evidence, std::vector<Signature>& list) {
 
 std::vector<Row> rowsOf(const Evidence& evidence) {
   std::vector<Row> rows;
-  for (const LineReading& line : evidence.lines) addLine(line, rows);
+  const LineReading* before = nullptr;
+  for (const LineReading& line : evidence.lines) {
+    const bool goes_on = before != nullptr && before->unit == line.unit && before->entity == line.entity;
+    const double way_mm = goes_on ? (line.p_S_mm - before->p_S_mm).norm() : 0.0;
+    addLine(line, way_mm > 0.0 ? (line.normal - before->normal).norm() / way_mm : 0.0, rows);
+    before = &line;
+  }
   for (const SpotReading& spot : evidence.spots) {
     for (int axis = 0; axis < 2; ++axis) {
       Row row;
@@ -162,6 +187,7 @@ std::vector<Signature> signaturesOf(const Evidence& evidence) {
   ofProgram(evidence, list);
   ofController(evidence, list);
   ofMachine(evidence, list);
+  ofLines(evidence, list);
   return list;
 }
 

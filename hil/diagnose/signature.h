@@ -29,6 +29,7 @@ struct Row {
   SheetState sheet;
   Eigen::Vector2d table_mm{0, 0};
   int unit{};
+  int entity{-1};
   bool of_spot{};
 };
 

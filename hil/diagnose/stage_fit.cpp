@@ -9,8 +9,7 @@
 namespace kerfbench::diagnose {
 namespace {
 
-/// Rows farther off than so many times their sigma count as much as these: joints, strays, misread frames.
-/// Applied to what a good machine leaves; deviations of a cause are larger and must stay.
+/// Prior of a size that is to be found, over its own weight: none to speak of, and no division by 0.
 constexpr double kRidge = 1e-9;
 
 }  // namespace
@@ -43,6 +42,20 @@ StageFit::StageFit(std::vector<Row> rows, std::vector<Signature> signatures)
 std::size_t StageFit::indexOf(const std::string& key) const {
   const auto found = std::ranges::find(signatures_, key, &Signature::key);
   return static_cast<std::size_t>(found - signatures_.begin());
+}
+
+std::pair<double, std::size_t> StageFit::left(const Fit& fit, Stage stage) const {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const Row& row : rows_) {
+    if (row.stage != stage) continue;
+    double rest_mm = row.y_mm;
+    for (std::size_t k = 0; k < signatures_.size(); ++k)
+      if (const double size = fit.size(static_cast<Eigen::Index>(k)); size != 0.0) rest_mm -= size * signatures_[k].of(row);
+    sum += rest_mm * rest_mm / (row.sigma_mm * row.sigma_mm);
+    ++count;
+  }
+  return {sum, count};
 }
 
 Fit StageFit::fit(const Hypothesis& hypothesis) const {

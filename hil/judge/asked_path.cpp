@@ -35,15 +35,38 @@ AskedPath::AskedPath(const SharedSteps& steps, const PlaceOfSteps& place, double
     before = now;
     whole.push_back(place(Eigen::Vector2d(now[0], now[1])).value_or(nowhere()));
   }
-  // at() counts the steps up to the end of a raster period.
+  // Steps are those at the end of a raster period: the mean of 2 n + 1 that begin with the one before -n has its middle at 0.
   constexpr auto kHalf = static_cast<std::ptrdiff_t>(0.5 * kSmooth_s / kRaster_s);
   p_mm_.reserve(count);
   const auto size = static_cast<std::ptrdiff_t>(whole.size());
   for (std::ptrdiff_t i = 0; i < size; ++i) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (std::ptrdiff_t k = i - kHalf; k < i + kHalf; ++k)
+    for (std::ptrdiff_t k = i - kHalf - 1; k < i + kHalf; ++k)
       sum += whole[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, size - 1))];
-    p_mm_.push_back(sum / static_cast<double>(2 * kHalf));
+    p_mm_.push_back(sum / static_cast<double>(2 * kHalf + 1));
+  }
+  follow();
+}
+
+void AskedPath::follow() {
+  // Wider than the steps of an axis that rests.
+  constexpr double kHalfPlay_mm = 0.02;
+  Eigen::Vector2d middle = p_mm_.empty() ? Eigen::Vector2d(0, 0) : p_mm_.front();
+  Eigen::Vector2d forward = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : p_mm_) {
+    Eigen::Vector2d flank = Eigen::Vector2d::Zero();
+    for (int axis = 0; axis < 2; ++axis) {
+      if (std::isnan(p[axis]) || std::isnan(middle[axis])) {
+        middle[axis] = p[axis];
+        continue;
+      }
+      const double before = middle[axis];
+      middle[axis] = std::clamp(before, p[axis] - kHalfPlay_mm, p[axis] + kHalfPlay_mm);
+      forward[axis] += std::max(0.0, middle[axis] - before);
+      flank[axis] = (p[axis] - middle[axis]) / kHalfPlay_mm;
+    }
+    flank_.push_back(flank);
+    forward_mm_.push_back(forward);
   }
 }
 
@@ -64,6 +87,9 @@ diagnose::HeadState AskedPath::at(double time_s) const {
   if (!p_mm.allFinite()) return state;
   state.time_s = time_s;
   state.p_mm = p_mm;
+  const auto raster = static_cast<std::size_t>(asked_s / kRaster_s);
+  state.flank = flank_[raster];
+  state.forward_mm = forward_mm_[raster];
   const Eigen::Vector2d v =
       (placeAt(asked_s + kSpeed_s) - placeAt(asked_s - kSpeed_s)) / (2.0 * kSpeed_s);
   if (v.allFinite()) state.v_mm_s = v;

@@ -34,7 +34,10 @@ class AskedPath {
  private:
   [[nodiscard]] Eigen::Vector2d placeAt(double time_s) const;
 
+  void follow();
+
   std::vector<Eigen::Vector2d> p_mm_;
+  std::vector<Eigen::Vector2d> flank_, forward_mm_;  ///< As in diagnose::HeadState.
   double end_s_;
   double delay_s_;
 };

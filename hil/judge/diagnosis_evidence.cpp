@@ -29,6 +29,8 @@ namespace {
 constexpr double kLinePitch_mm = 2.0;
 constexpr std::size_t kMostSpots = 1200;
 constexpr double kProgramReach_mm = 3.0;
+/// Where a whole entity lies farther off: a belt that is not followed.
+constexpr double kFar_mm = 40.0;
 
 class EvidenceMaker {
  public:
@@ -113,6 +115,11 @@ class EvidenceMaker {
     out_.planned_speed_mm_s = scenario.belt_speed_mm_s;
     out_.sheet_moves = scenario.sheetMoves() && !scenario.belt_by_controller;
     out_.drawing_centre_mm = case_.dieline->bounds().center();
+    // A belt that runs forwards while its encoder counts backwards.
+    if (out_.sheet_moves && !pins_.belt.empty() && scenario.belt_speed_mm_s > 0.0 && pins_.belt.back().x_mm < -kFar_mm)
+      out_.encoder_backwards = true;
+    if (!pins_.belt.empty()) out_.belt_travel_mm = pins_.belt.back().x_mm - pins_.belt.front().x_mm;
+    out_.openings = static_cast<int>(pins_.gates.size());
     if (pins_.end && inspect::stoppedByItself(*pins_.end, pins_.gates)) out_.stop = pins_.end->reason;
     double width_mm = 0.0;
     int widths = 0;
@@ -160,7 +167,7 @@ class EvidenceMaker {
       if (std::isfinite(e.coverage)) reading.coverage = e.coverage;
       if (std::isfinite(e.passes)) reading.passes = e.passes;
       if (!program.empty()) {
-        reading.in_program = program.has(e.entity);
+        reading.in_program = program.has(e.entity) || !program.isNamed();
         const double drawn_mm =
             dieline::lengthOf(case_.dieline->entities[static_cast<std::size_t>(e.entity)].curve);
         reading.times_in_program =
@@ -183,7 +190,7 @@ class EvidenceMaker {
                           out_.machine.tracking_delay_s);
     const ProgramPath program(gcode());
     const TimedCuts cuts(asked, sheet_, program, pins_.gates,
-                         {case_.scenario.print.units, case_.scenario.job.alternate, kProgramReach_mm});
+                         {case_.scenario.print.units, case_.scenario.job.alternate});
     for (const TimedCuts::Cut& cut : cuts.cuts()) {
       const auto first = first_cut_s_.try_emplace(cut.unit, cut.on_s).first;
       first->second = std::min(first->second, cut.on_s);
@@ -202,6 +209,7 @@ class EvidenceMaker {
     for (const vision::EntityKerf& kerf : scan.entities) {
       if (static_cast<std::size_t>(kerf.entity) >= case_.dieline->entities.size()) continue;
       const dieline::Curve& curve = case_.dieline->entities[static_cast<std::size_t>(kerf.entity)].curve;
+      const std::size_t first = out_.lines.size();
       double next_mm = 0.0;
       for (const vision::Caliper& caliper : kerf.calipers) {
         if (caliper.near_joint || caliper.station_mm < next_mm) continue;
@@ -216,14 +224,18 @@ class EvidenceMaker {
         line.cut_sigma_mm = caliper.sigma_mm;
         if (!program.empty())
           line.program_mm = program.offsetAt(kerf.entity, line.p_S_mm, line.normal, kProgramReach_mm);
-        timed(asked, cuts, line);
+        timed(asked, cuts, kProgramReach_mm, line);
         out_.lines.push_back(line);
       }
+      const auto begin = out_.lines.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto unknown = std::count_if(begin, out_.lines.end(), [](const auto& l) { return std::isnan(l.asked_mm); });
+      if (2 * unknown > out_.lines.end() - begin && cuts.paired() && program.has(kerf.entity))
+        for (auto line = begin; line != out_.lines.end(); ++line) timed(asked, cuts, kFar_mm, *line);
     }
   }
 
-  void timed(const AskedPath& asked, const TimedCuts& cuts, diagnose::LineReading& line) const {
-    const auto passing = cuts.passing(line.unit, line.entity, line.p_S_mm, line.normal);
+  void timed(const AskedPath& asked, const TimedCuts& cuts, double reach_mm, diagnose::LineReading& line) const {
+    const auto passing = cuts.passing(line.unit, line.entity, line.p_S_mm, line.normal, reach_mm);
     if (!passing) return;
     line.asked_mm = passing->offset_mm;
     line.head = asked.at(passing->time_s);

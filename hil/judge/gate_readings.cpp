@@ -15,6 +15,8 @@ namespace {
 constexpr double kPitch_s = 2e-4;
 constexpr double kLeastAround_s = 0.04;
 /// Stretch of the ramp that is looked at, from where steps no longer hide how the beam sets off.
+/// A beam that speeds up more slowly is off by microns for a millisecond: steps hide when it sets off.
+constexpr double kQuick_mm_s2 = 5000.0;
 constexpr double kNearest_mm = 0.03;
 constexpr double kFarthest_mm = 0.6;
 
@@ -103,8 +105,11 @@ std::vector<diagnose::GateReading> gateReadings(const TimedCuts& cuts, const Ask
     diagnose::GateReading reading;
     reading.unit = cut.unit;
     reading.entity = cut.piece->firstEntity();
-    if (const auto begins_s = restAt(cut, asked, sheet, +1, order)) reading.open_late_s = cut.on_s - *begins_s;
-    if (const auto ends_s = restAt(cut, asked, sheet, -1, order)) reading.close_late_s = cut.off_s - *ends_s;
+    const bool is_quick = order.acceleration_mm_s2 >= kQuick_mm_s2;
+    if (const auto begins_s = is_quick ? restAt(cut, asked, sheet, +1, order) : std::nullopt)
+      reading.open_late_s = cut.on_s - *begins_s;
+    if (const auto ends_s = is_quick ? restAt(cut, asked, sheet, -1, order) : std::nullopt)
+      reading.close_late_s = cut.off_s - *ends_s;
     const double way_mm = wayOf(cut);
     if (order.energy_j_mm > 0.0 && way_mm > kLong_mm && cut.piece->z > 0.0)
       reading.energy_share = order.full_power_w * emitted.between(cut.on_s, cut.off_s) / way_mm /

@@ -52,6 +52,12 @@ bool ProgramPath::has(int entity) const {
   return std::ranges::any_of(pieces_, [&](const Piece& piece) { return piece.has(entity); });
 }
 
+bool ProgramPath::isNamed() const {
+  return std::ranges::any_of(pieces_, [](const Piece& piece) {
+    return std::ranges::any_of(piece.segments, [](const planner::Segment& s) { return s.entity >= 0; });
+  });
+}
+
 double ProgramPath::lengthOf(int entity) const {
   double length_mm = 0.0;
   for (const Piece& piece : pieces_)
@@ -63,6 +69,7 @@ double ProgramPath::lengthOf(int entity) const {
 double ProgramPath::offsetAt(int entity, const Eigen::Vector2d& p_S_mm, const Eigen::Vector2d& normal,
                              double reach_mm) const {
   const bool is_named = has(entity);
+  if (!is_named && isNamed()) return std::numeric_limits<double>::quiet_NaN();
   Crossing crossing(p_S_mm, normal, is_named ? reach_mm : std::min(reach_mm, kUnnamedReach_mm));
   for (const Piece& piece : pieces_) {
     for (const planner::Segment& segment : piece.segments) {

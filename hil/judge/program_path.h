@@ -30,7 +30,8 @@ class ProgramPath {
   [[nodiscard]] const std::vector<Piece>& pieces() const { return pieces_; }
   [[nodiscard]] bool empty() const { return pieces_.empty(); }
   [[nodiscard]] bool has(int entity) const;
-  /// In how many pieces apart from one another an entity is cut; twice: it is cut again.
+  [[nodiscard]] bool isNamed() const;  ///< It says which entities it cuts.
+  /// All ways along an entity together.
   [[nodiscard]] double lengthOf(int entity) const;
   /// Offset of the program of an entity from a place of the drawing along a normal, S; NaN if the normal does not
   /// meet it within reach_mm.

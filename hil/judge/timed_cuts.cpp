@@ -9,8 +9,6 @@ namespace kerfbench::judge {
 namespace {
 
 constexpr double kPitch_s = 5e-4;
-/// Where the piece is known it is looked for far off as well: a belt that is not followed.
-constexpr double kFar_mm = 40.0;
 
 }  // namespace
 
@@ -52,9 +50,9 @@ void TimedCuts::sample(const AskedPath& asked, const SheetPath& sheet, Cut& cut)
 }
 
 std::optional<TimedCuts::Passing> TimedCuts::passing(int unit, int entity, const Eigen::Vector2d& p_S_mm,
-                                                     const Eigen::Vector2d& normal) const {
-  const bool is_named = paired_ && program_.has(entity);
-  Crossing crossing(p_S_mm, normal, is_named ? kFar_mm : options_.reach_mm);
+                                                     const Eigen::Vector2d& normal, double reach_mm) const {
+  const bool is_named = paired_ && program_.isNamed();
+  Crossing crossing(p_S_mm, normal, reach_mm);
   double time_s = 0.0;
   for (const Cut& cut : cuts_) {
     if (cut.unit != unit || (is_named && !cut.piece->has(entity))) continue;

@@ -28,7 +28,6 @@ class TimedCuts {
   struct Options {
     int units{1};
     bool alternate{};  ///< Odd units are cut in reverse.
-    double reach_mm{3.0};
   };
   /// All arguments must outlive it.
   TimedCuts(const AskedPath& asked, const SheetPath& sheet, const ProgramPath& program,
@@ -44,7 +43,7 @@ class TimedCuts {
   };
   /// When and how far aside the beam was led past a place of the drawing; nullopt: it was not.
   [[nodiscard]] std::optional<Passing> passing(int unit, int entity, const Eigen::Vector2d& p_S_mm,
-                                               const Eigen::Vector2d& normal) const;
+                                               const Eigen::Vector2d& normal, double reach_mm) const;
 
  private:
   void sample(const AskedPath& asked, const SheetPath& sheet, Cut& cut) const;

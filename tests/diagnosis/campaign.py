@@ -49,7 +49,7 @@ class Task:
         if len(jobs) < 2:
             return jobs[0] if jobs else self.place.job()
         program, others = jobs[0], jobs[1:]
-        job = Job(program.marks, program.keys, base=program.base, belt=program.belt, files=dict(program.files))
+        job = Job(program.marks, program.keys, program.machine, base=program.base, belt=program.belt, files=dict(program.files))
         for other in others:
             own = set(other.keys.splitlines()) - set(job.keys.splitlines())
             job.keys += "".join(line + "\n" for line in sorted(own))
@@ -111,6 +111,8 @@ class Bench:
     def recorded(self, job, seed):
         """Pins of the job before its edit."""
         plain = Job(job.marks, job.keys, job.machine, job.base, job.belt, job.files)
+        # A release that was told something else than the scenario says.
+        plain.machine, plain.files = getattr(job, "recorded_with", (plain.machine, plain.files))
         with tempfile.TemporaryDirectory(prefix="plain-", dir=self.folder) as folder:
             results = self.kerfbench(folder, "plain", seed, "run", limits.scenario_of("plain", plain, folder))
             return Recording(os.path.join(results, "pins.vcd"))
@@ -189,13 +191,21 @@ def run(args, tasks):
             concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
         bench = Bench(program, folder, args.keep)
         waiting = [pool.submit(bench.record, task) for task in tasks if task.name not in had]
-        for done in waiting:
-            record = done.result()
+        broken = []
+        for done in concurrent.futures.as_completed(waiting):
+            try:
+                record = done.result()
+            except (limits.Broken, AssertionError) as error:
+                broken.append(str(error))
+                print(f"diagnoses: {error}", file=sys.stderr, flush=True)
+                continue
             records.append(record)
             if args.records:
                 with open(args.records, "a", encoding="utf-8") as file:
                     file.write(json.dumps(record) + "\n")
             print(f"[{len(records)}/{len(tasks)}] {page.line_of(record)}", flush=True)
+    if broken:
+        raise limits.Broken(f"{len(broken)} runs broke, the first: {broken[0]}")
     return records
 
 

@@ -53,7 +53,7 @@ class Place:
             return f"belt: {{speed_mm_s: {self.speed:g}}}\n"
         # Slower within the first unit and faster again within the second.
         low = 0.75 * self.speed
-        at = (4.6, 5.4, 8.2, 9.0) if self.machine == HEAD else (7.5, 8.5, 10.5, 11.5)
+        at = (4.6, 5.4, 8.2, 9.0) if self.machine == HEAD else (16.0, 17.5, 20.0, 21.5)
         points = ", ".join(f"{{at_s: {t:g}, speed_mm_s: {v:g}}}" for t, v in zip(at, (self.speed, low, low, self.speed)))
         return f"belt: {{speed_mm_s: {self.speed:g}, profile: [{points}]}}\n"
 

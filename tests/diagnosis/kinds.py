@@ -128,11 +128,15 @@ def table(of):
 
 
 def with_table(place, share, fault):
-    """Mirrors that turn too far along x and not far enough along y, and a table that mends it."""
+    """Mirrors that turn too far along x and not far enough along y, and a table that mends it, of which the release applies
+    the share `fault`."""
     b = -0.7 * share
-    job = place.job(keys=f"planner: {{faults: {{table: {fault:g}}}}}\n", files=table(lambda x, y: (-share * x, -b * y)),
-                    machine="controller: {correction: table.csv}\n"
-                    f"optics: {{mirror_x: {{scale: {1.0 + share:.9f}}}, mirror_y: {{scale: {1.0 + b:.9f}}}}}\n")
+    optics = f"optics: {{mirror_x: {{scale: {1.0 + share:.9f}}}, mirror_y: {{scale: {1.0 + b:.9f}}}}}\n"
+    has_it = optics + "controller: {correction: table.csv}\n"
+    job = place.job(machine=has_it, edit=lambda recording: None, foreign=False,
+                    files=table(lambda x, y: (-share * x, -b * y)))
+    applied = {**job.files, **table(lambda x, y: (-fault * share * x, -fault * b * y))}
+    job.recorded_with = (has_it if fault else optics, applied)
     return job
 
 
@@ -158,7 +162,7 @@ def table_other(place, f, rng):
 @kind(MOVING)
 def sheet_reference(place, f, rng):
     s = sign(rng) * f * PATH_MM
-    return Fault(told(place, f"print_mark_sensor_x_mm: {-150.0 + s:.6f}"), "sheet_reference", None)
+    return Fault(told(place, f"print_mark_sensor_x_mm: {-150.0 + s:.6f}"), "sheet_reference", s)
 
 
 @kind(MOVING)
@@ -184,18 +188,6 @@ def belt_ignored(place, f, rng):
 
 
 # The machine.
-
-@kind(EVERYWHERE, sized=False)
-def axis_reversed(place, f, rng):
-    return Fault(place.job(machine=f"{place.axes}_y: {{dir_low: true}}\n"), "axes", None)
-
-
-@kind([Place(HEAD, "rest")], sized=False)
-def axes_swapped(place, f, rng):
-    pins = ", ".join(f"{place.axes}_{a}_{w}: {p}" for (a, w), p in
-                     zip((("x", "pul"), ("x", "dir"), ("y", "pul"), ("y", "dir")), ("PA2", "PA3", "PA0", "PA1")))
-    return Fault(place.job(machine=f"pins: {{{pins}}}\n"), "axes", None)
-
 
 @kind(ON_HEAD)
 def head_offset(place, f, rng):
@@ -245,6 +237,25 @@ def latency(place, f, rng):
         for wire in outputs(place):
             recording.wires[wire] = [(tick + late, level) for tick, level in recording.wires[wire]]
     return Fault(recorded(place, change, foreign=False), "latency", 1e3 * late_s)
+
+
+@kind(RESTING, sized=False)
+def axis_reversed(place, f, rng):
+    axis = rng.choice("xy")
+
+    def change(recording):
+        wire = f"{place.axes}_{axis}_dir"
+        recording.wires[wire] = [(1, 1)] + [(tick, 1 - level) for tick, level in recording.wires[wire] if tick > 1]
+    return Fault(recorded(place, change), "axes", None)
+
+
+@kind(RESTING, sized=False)
+def axes_swapped(place, f, rng):
+    def change(recording):
+        for what in ("pul", "dir"):
+            x, y = f"{place.axes}_x_{what}", f"{place.axes}_y_{what}"
+            recording.wires[x], recording.wires[y] = recording.wires[y], recording.wires[x]
+    return Fault(recorded(place, change), "axes", None)
 
 
 def gate_moved(place, ms):
@@ -349,7 +360,7 @@ def pulses_lost_under_load(place, f, rng):
 
 @kind(EVERYWHERE)
 def power_scale(place, f, rng):
-    energy = energy_of(width(ENERGY) + f * 0.02)
+    energy = energy_of(width(ENERGY) + min(f, 2.0) * 0.02)
     share = energy / ENERGY - 1.0
     job = told(place, f"full_power_w: {100.0 / (1.0 + share):.6f}",
                keys=f"checks: {{ordered_width: {{nominal_mm: {width(ENERGY):.6f}, limit_mm: 0.02}}}}\n")

@@ -95,6 +95,14 @@ class SyntheticEvidence {
     line.head.time_s = time_s_;
     line.head.p_mm = p_S + Eigen::Vector2d(line.sheet.x_mm, 0.0);
     line.head.v_mm_s = speed_mm_s * tangent + Eigen::Vector2d(belt_mm_s, 0.0);
+    for (int axis = 0; axis < 2; ++axis) {
+      const double way_mm = line.head.p_mm[axis] - before_mm_[axis];
+      if (std::abs(way_mm) > 0.01) flank_[axis] = way_mm > 0.0 ? 1.0 : -1.0;
+      forward_mm_[axis] += std::max(0.0, way_mm);
+    }
+    before_mm_ = line.head.p_mm;
+    line.head.flank = flank_;
+    line.head.forward_mm = forward_mm_;
     line.asked_mm = noise(0.003);
     line.cut_sigma_mm = 0.003;
     line.cut_mm = line.asked_mm + noise(0.004);
@@ -123,6 +131,7 @@ class SyntheticEvidence {
   diagnose::Evidence out_;
   CounterRandom random_{7, 1};
   std::uint64_t count_{};
+  Eigen::Vector2d before_mm_{0, 0}, flank_{1, 1}, forward_mm_{0, 0};
   double time_s_{4.0}, begun_s_{}, begun_mm_{};
   int unit_{}, first_unit_{-1};
 };
