@@ -53,7 +53,7 @@ int diagnoseOne(const fs::path& file, bool as_json, base::Console& console) {
     return 0;
   }
   if (diagnosis.causes.empty())
-    console.result(diagnosis.sentence.empty() ? "The run has passed: nothing is to be explained." : diagnosis.sentence);
+    console.result(diagnosis.sentence.empty() ? "The run has passed, or nothing stands out: no cause is named." : diagnosis.sentence);
   for (const diagnose::Cause& cause : diagnosis.causes) console.result(cause.sentence);
   return 0;
 }

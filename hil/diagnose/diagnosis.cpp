@@ -63,6 +63,13 @@ Diagnosis diagnose(const Evidence& evidence) {
   if (!evidence.edges_judged) fitted = fittedCauses(evidence);
   diagnosis.deviation_mm = fitted.deviation_mm;
   merge(direct, fitted.causes);
+  // A sheet that is not followed leaves nothing else to be fitted.
+  if (has(direct, "belt_ignored")) {
+    for (Cause& seen : direct)
+      for (const Cause& cause : fitted.causes)
+        if (seen.key == "belt_ignored" && cause.key == seen.key) seen.share = cause.share;
+    fitted.causes.clear();
+  }
   // Steps that go the wrong way at reversals look like play, and like a slip.
   if (has(direct, "dir_timing"))
     std::erase_if(fitted.causes, [](const Cause& cause) {
@@ -89,7 +96,7 @@ const std::vector<std::string>& causeKeys() {
       "dir_timing", "encoder_reversed", "encoder_scale", "entity_missing", "entity_twice", "gate_closes_early",
       "gate_closes_late", "gate_early", "gate_inverted", "gate_late", "head_offset", "head_rotation", "head_scale",
       "head_scale_x", "head_scale_y", "head_shear", "kerf_radius", "kerf_uncompensated", "kerf_wrong_side", "latency",
-      "loop_soft", "mean_speed", "others", "pincushion_missing", "power_rings", "power_scale", "program_offset",
+      "loop_soft", "mean_speed", "others", "pincushion_missing", "power_scale", "program_offset",
       "program_rotation", "program_scale", "program_scale_x", "program_scale_y", "program_shear", "pulse_width",
       "pulses_doubled", "pulses_lost", "sheet_reference", "step_scale", "step_scale_x", "step_scale_y",
       "stepper_pulled_out", "stopped", "table_missing", "table_other", "table_sign"};

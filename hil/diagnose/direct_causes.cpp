@@ -25,9 +25,9 @@ constexpr double kMissing = 0.05;
 constexpr double kTwice = 1.7;
 /// Share of the path's limit from which on a compensation is wrong.
 constexpr double kKerfWorth = 0.4;
-/// Correlation of the power half of its period later, from which on it rings.
-constexpr double kRings = -0.5;
-constexpr double kRingsBy = 0.03;
+/// Share of the sheet's travel below which a release does not follow it, and what that share is known to.
+constexpr double kIgnored = 0.3;
+constexpr double kFollowedU = 0.04;
 
 Cause direct(std::string key, Size size, std::string sentence) {
   Cause cause;
@@ -216,16 +216,15 @@ void ofWords(const Evidence& evidence, std::vector<Cause>& causes) {
         fmt::format("The release never began to cut though the belt ran {:.0f} mm: it does not see the belt come. Check the encoder's sense "
                     "(wires A and B), then the print mark's sensor.",
                     evidence.belt_travel_mm));
+  if (evidence.belt_followed < kIgnored)
+    causes.push_back(direct("belt_ignored", {100.0 * (1.0 - evidence.belt_followed), 100.0 * kFollowedU, "%"},
+                            fmt::format("The belt's motion is ignored: between begin and end of cuts the pulses follow {:.0f} % of it.",
+                                        100.0 * evidence.belt_followed)));
   add("gate_inverted", evidence.gate_polarity);
   add("axes", evidence.axes);
   if (!evidence.stop.empty()) add("stopped", "The controller stopped by itself: " + evidence.stop + ".");
   if (evidence.encoder_backwards || (evidence.belt && evidence.belt->ratio < 0.0))
     add("encoder_reversed", "The encoder counts backwards while the sheet runs forwards: change its wires A and B, or its sense in the release.");
-  if (evidence.ripple && evidence.ripple->alternation < kRings && evidence.ripple->rms_share > kRingsBy)
-    causes.push_back(direct("power_rings", {100.0 * evidence.ripple->rms_share, 100.0 * 0.3 * evidence.ripple->rms_share, "%"},
-                            fmt::format("The loop on the measured power rings by {:.0f} % with a period of {:.1f} ms: its gain is too high for the "
-                                        "meter's delay.",
-                                        100.0 * evidence.ripple->rms_share, 1e3 * evidence.ripple->period_s)));
 }
 
 }  // namespace

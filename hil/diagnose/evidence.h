@@ -79,7 +79,6 @@ struct LineReading {
   HeadState head;
   SheetState sheet;
   Eigen::Vector2d table_mm{0, 0};   ///< What the head's correction table adds here, W.
-  double side{};                    ///< With an edge that is judged: +1 the kerf lies left, -1 right; else 0.
 };
 
 /// A frame of the spot camera.
@@ -105,7 +104,6 @@ struct DriveReading {
   std::string axis;
   double step_mm{};
   std::uint64_t pulses{};
-  std::uint64_t reversals{};
   std::uint64_t setup_violations{}, hold_violations{}, width_violations{}, space_violations{};
   double least_setup_s{}, setup_s{};  ///< Least that was seen, and what the drive asks for.
   double least_hold_s{}, hold_s{};
@@ -130,13 +128,6 @@ struct BeltReading {
   double travel_mm{};      ///< Over which it was seen.
 };
 
-/// Power that the pins ask for over time within cuts at even speed.
-struct PowerRipple {
-  double rms_share{};      ///< RMS of the power about its mean within a cut, as a share of it.
-  double alternation{};    ///< Correlation of the power with itself half of its period later; -1: it rings.
-  double period_s{};
-};
-
 struct Evidence {
   MachineFacts machine;
   MachineSpread spread;
@@ -150,6 +141,8 @@ struct Evidence {
   bool encoder_backwards{};  ///< The encoder counts backwards while the line runs forwards.
   double belt_travel_mm{};   ///< By the encoder, through the whole run.
   int openings{};            ///< Of the laser's gate.
+  /// Share of the sheet's travel that the pulses follow between begin and end of the cuts, median; 1: all of it.
+  double belt_followed{kUnknown};
   Eigen::Vector2d drawing_centre_mm{0, 0};
   std::vector<LineReading> lines;
   std::vector<SpotReading> spots;
@@ -157,7 +150,6 @@ struct Evidence {
   std::vector<DriveReading> drives;
   std::vector<EntityReading> entities;
   std::optional<BeltReading> belt;
-  std::optional<PowerRipple> ripple;
   std::string stop;               ///< Why the controller stopped by itself, in its words; empty: it did not.
   std::string axes;               ///< Sentence on axes that are swapped, reversed or of another scale by far.
   std::string gate_polarity;      ///< Sentence on a gate that is inverted.

@@ -103,7 +103,7 @@ void members(V& v, T& x)
   v.take(x.asked_mm), v.take(x.program_mm);
   headMembers(v, x.head);
   v.take(x.sheet.x_mm), v.take(x.sheet.speed_mm_s), v.take(x.sheet.since_mark_mm), v.take(x.sheet.off_plan_mm);
-  v.take(x.table_mm), v.take(x.side);
+  v.take(x.table_mm);
 }
 
 template <typename V, typename T>
@@ -126,7 +126,7 @@ template <typename V, typename T>
 void members(V& v, T& x)
   requires std::is_same_v<std::remove_const_t<T>, DriveReading>
 {
-  v.take(x.axis), v.take(x.step_mm), v.take(x.pulses), v.take(x.reversals), v.take(x.setup_violations);
+  v.take(x.axis), v.take(x.step_mm), v.take(x.pulses), v.take(x.setup_violations);
   v.take(x.hold_violations), v.take(x.width_violations), v.take(x.space_violations), v.take(x.least_setup_s);
   v.take(x.setup_s), v.take(x.least_hold_s), v.take(x.hold_s), v.take(x.first_violation_s), v.take(x.told);
   v.take(x.seen);
@@ -143,7 +143,7 @@ void members(V& v, T& x)
 template <typename V, typename T>
 void scalars(V& v, T& e) {
   v.take(e.limit_mm), v.take(e.passed), v.take(e.failed), v.take(e.edges_judged), v.take(e.kerf_radius_mm);
-  v.take(e.ordered_radius_mm), v.take(e.planned_speed_mm_s), v.take(e.sheet_moves), v.take(e.encoder_backwards), v.take(e.belt_travel_mm), v.take(e.openings), v.take(e.drawing_centre_mm);
+  v.take(e.ordered_radius_mm), v.take(e.planned_speed_mm_s), v.take(e.sheet_moves), v.take(e.encoder_backwards), v.take(e.belt_travel_mm), v.take(e.openings), v.take(e.belt_followed), v.take(e.drawing_centre_mm);
   v.take(e.stop), v.take(e.axes), v.take(e.gate_polarity), v.take(e.others);
 }
 
@@ -178,7 +178,7 @@ std::string evidenceJson(const Evidence& evidence) {
   Json json;
   Writer writer;
   scalars(writer, evidence);
-  json["version"] = 3;
+  json["version"] = 4;
   json["run"] = writer.json;
   json["machine"] = one(evidence.machine);
   json["spread"] = one(evidence.spread);
@@ -191,13 +191,6 @@ std::string evidenceJson(const Evidence& evidence) {
     belt.take(evidence.belt->ratio), belt.take(evidence.belt->ratio_sigma), belt.take(evidence.belt->travel_mm);
     json["belt"] = belt.json;
   }
-  json["ripple"] = nullptr;
-  if (evidence.ripple) {
-    Writer ripple;
-    ripple.take(evidence.ripple->rms_share), ripple.take(evidence.ripple->alternation);
-    ripple.take(evidence.ripple->period_s);
-    json["ripple"] = ripple.json;
-  }
   json["lines"] = list(evidence.lines);
   json["spots"] = list(evidence.spots);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -206,7 +199,7 @@ std::string evidenceJson(const Evidence& evidence) {
 Evidence evidenceFromJson(const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    if (json.at("version") != 3) throw std::runtime_error("evidence of a diagnosis: another version");
+    if (json.at("version") != 4) throw std::runtime_error("evidence of a diagnosis: another version");
     Evidence evidence;
     Reader reader(json.at("run"));
     scalars(reader, evidence);
@@ -219,12 +212,6 @@ Evidence evidenceFromJson(const std::string& text) {
       Reader belt(j);
       evidence.belt.emplace();
       belt.take(evidence.belt->ratio), belt.take(evidence.belt->ratio_sigma), belt.take(evidence.belt->travel_mm);
-    }
-    if (const Json& j = json.at("ripple"); !j.is_null()) {
-      Reader ripple(j);
-      evidence.ripple.emplace();
-      ripple.take(evidence.ripple->rms_share), ripple.take(evidence.ripple->alternation);
-      ripple.take(evidence.ripple->period_s);
     }
     read(json.at("lines"), evidence.lines);
     read(json.at("spots"), evidence.spots);

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -25,6 +23,8 @@ constexpr double kWorthOne = 6.0;
 constexpr double kWorthTwo = 30.0;
 /// Causes whose scores lie nearer are not told apart.
 constexpr double kAlike = 6.0;
+/// Rows farther off than so many medians of all are left out.
+constexpr double kFarAway = 9.0;
 /// Share of the path's limit that a cause must move some line by.
 constexpr double kWorthOfLimit = 0.3;
 /// The same of each of two.
@@ -91,12 +91,6 @@ class Ranker {
     if (!targets_.empty()) fitted.deviation_mm = std::sqrt(square / static_cast<double>(targets_.size()));
     if (targets_.size() < kFewest) return fitted;
     fitted_mm_ = fitted.deviation_mm;
-    if (std::getenv("DIAGDEBUG") != nullptr) {
-      std::vector<std::pair<double, std::string>> all;
-      for (const KnownCause& c : known_) all.push_back({scoreOf(c.hypothesis), c.key + " " + c.size_of[0]});
-      std::ranges::sort(all, std::greater<>());
-      for (std::size_t i = 0; i < std::min<std::size_t>(8, all.size()); ++i) fmt::print(stderr, "  {:.1f} {}\n", all[i].first, all[i].second);
-    }
     std::vector<Candidate> singles;
     for (const KnownCause& cause : known_) singles.push_back({{&cause}, scoreOf(cause.hypothesis) - unlikely(cause)});
     std::ranges::stable_sort(singles, std::greater<>(), &Candidate::score);
@@ -133,16 +127,34 @@ class Ranker {
     return std::ranges::all_of(cause.size_of, [&](const std::string& key) { return fit_->has(key); });
   }
 
-  /// Makes the rows of each stage as uncertain as what all causes together leave of them shows.
+  /// Makes the rows of each stage as uncertain as what all causes together leave of them shows, and takes out those
+  /// that lie far from all others: a normal that met the way at another place.
   void widen(std::vector<Row>& rows) const {
-    const Fit everything = fit_->fit(all());
+    const std::vector<double> left = fit_->left(fit_->fit(all()));
+    std::vector<bool> is_far(rows.size(), false);
     for (const Stage stage : {Stage::kProgram, Stage::kController, Stage::kMachine}) {
-      const auto [square, count] = fit_->left(everything, stage);
-      if (count == 0) continue;
-      const double factor = std::sqrt(std::max(1.0, square / static_cast<double>(count)));
+      std::vector<double> sizes;
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        if (rows[i].stage == stage) sizes.push_back(std::abs(left[i]));
+      if (sizes.empty()) continue;
+      const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+      std::ranges::nth_element(sizes, middle);
+      const double farthest = kFarAway * std::max(1.0, *middle);
+      double square = 0.0;
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].stage != stage) continue;
+        is_far[i] = std::abs(left[i]) > farthest;
+        if (is_far[i]) continue;
+        square += left[i] * left[i];
+        ++count;
+      }
+      const double factor = std::sqrt(std::max(1.0, square / static_cast<double>(std::max<std::size_t>(1, count))));
       for (Row& row : rows)
         if (row.stage == stage) row.sigma_mm *= factor;
     }
+    std::size_t i = 0;
+    std::erase_if(rows, [&](const Row&) { return is_far[i++]; });
   }
 
   /// All but those that begin at some time, which would fit anything together.

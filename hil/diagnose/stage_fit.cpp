@@ -44,18 +44,16 @@ std::size_t StageFit::indexOf(const std::string& key) const {
   return static_cast<std::size_t>(found - signatures_.begin());
 }
 
-std::pair<double, std::size_t> StageFit::left(const Fit& fit, Stage stage) const {
-  double sum = 0.0;
-  std::size_t count = 0;
+std::vector<double> StageFit::left(const Fit& fit) const {
+  std::vector<double> left;
+  left.reserve(rows_.size());
   for (const Row& row : rows_) {
-    if (row.stage != stage) continue;
     double rest_mm = row.y_mm;
     for (std::size_t k = 0; k < signatures_.size(); ++k)
       if (const double size = fit.size(static_cast<Eigen::Index>(k)); size != 0.0) rest_mm -= size * signatures_[k].of(row);
-    sum += rest_mm * rest_mm / (row.sigma_mm * row.sigma_mm);
-    ++count;
+    left.push_back(rest_mm / row.sigma_mm);
   }
-  return {sum, count};
+  return left;
 }
 
 Fit StageFit::fit(const Hypothesis& hypothesis) const {

@@ -44,8 +44,8 @@ class StageFit {
   [[nodiscard]] bool has(const std::string& key) const { return indexOf(key) < signatures_.size(); }
   [[nodiscard]] std::size_t indexOf(const std::string& key) const;  ///< signatures().size(): there is none.
 
-  /// Sum of the squares of what a fit leaves of a stage's rows, over their variances, and how many rows it has.
-  [[nodiscard]] std::pair<double, std::size_t> left(const Fit& fit, Stage stage) const;
+  /// What a fit leaves of each row, over its sigma.
+  [[nodiscard]] std::vector<double> left(const Fit& fit) const;
 
   /// Signatures of the hypothesis that there are none of are left out.
   [[nodiscard]] Fit fit(const Hypothesis& hypothesis) const;

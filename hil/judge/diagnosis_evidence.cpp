@@ -195,6 +195,7 @@ class EvidenceMaker {
       const auto first = first_cut_s_.try_emplace(cut.unit, cut.on_s).first;
       first->second = std::min(first->second, cut.on_s);
     }
+    if (out_.sheet_moves) out_.belt_followed = beltFollowed(asked, cuts);
     lines(asked, cuts, program);
     spots(asked);
     const scenario::Scenario& scenario = case_.scenario;
@@ -202,6 +203,25 @@ class EvidenceMaker {
                          scenario.job.power ? 0.0 : scenario.job.cut_energy_j_per_mm,
                          scenario.job.mark_speed_mm_s, scenario.job.acceleration_mm_s2};
     out_.gates = gateReadings(cuts, asked, sheet_, pins_.light, order);
+  }
+
+  /// How far the pulses go along x from begin to end of each piece of the program, less what the piece itself does.
+  [[nodiscard]] double beltFollowed(const AskedPath& asked, const TimedCuts& cuts) const {
+    constexpr double kLong_mm = 3.0;
+    std::vector<double> shares;
+    for (const TimedCuts::Cut& cut : cuts.cuts()) {
+      if (cut.piece == nullptr) continue;
+      const diagnose::HeadState begin = asked.at(cut.on_s);
+      const diagnose::HeadState end = asked.at(cut.off_s);
+      const double travel_mm = sheet_.at(cut.unit, cut.off_s).p_mm.x() - sheet_.at(cut.unit, cut.on_s).p_mm.x();
+      if (!begin.known() || !end.known() || std::abs(travel_mm) < kLong_mm) continue;
+      const double piece_mm = cut.piece->segments.back().end_mm.x() - cut.piece->segments.front().start_mm.x();
+      shares.push_back((end.p_mm.x() - begin.p_mm.x() - (cut.reversed ? -piece_mm : piece_mm)) / travel_mm);
+    }
+    if (shares.empty()) return diagnose::kUnknown;
+    const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
+    std::ranges::nth_element(shares, middle);
+    return *middle;
   }
 
   void lines(const AskedPath& asked, const TimedCuts& cuts, const ProgramPath& program) {

@@ -52,14 +52,14 @@ class Place:
         if self.belt == "even":
             return f"belt: {{speed_mm_s: {self.speed:g}}}\n"
         # Slower within the first unit and faster again within the second.
-        low = 0.75 * self.speed
+        low = (0.98 if self.belt == "drifts" else 0.75) * self.speed
         at = (4.6, 5.4, 8.2, 9.0) if self.machine == HEAD else (16.0, 17.5, 20.0, 21.5)
         points = ", ".join(f"{{at_s: {t:g}, speed_mm_s: {v:g}}}" for t, v in zip(at, (self.speed, low, low, self.speed)))
         return f"belt: {{speed_mm_s: {self.speed:g}, profile: [{points}]}}\n"
 
     def job(self, of=None, keys="", machine="", **others):
         """A Job here; `of`: another drawing's marks than the flawless ones."""
-        units = 2 if self.belt == "varies" and self.machine == HEAD else 1
+        units = 2 if self.belt in ("varies", "drifts") and self.machine == HEAD else 1
         own = f"print: {{units: {units}}}\n" + (GANTRY_KEYS if self.machine == GANTRY else "")
         of = marks() if of is None else of
         files = {"job.gcode": gcode_of(of), **others.pop("files", {})}

@@ -177,7 +177,7 @@ def encoder_reversed(place, f, rng):
     return Fault(place.job(machine="pins: {encoder_a: PD1, encoder_b: PD2}\n"), "encoder_reversed", None)
 
 
-@kind(VARYING)
+@kind([Place(m, "drifts") for m in (HEAD, GANTRY)])
 def mean_speed(place, f, rng):
     return Fault(place.job(keys="planner: {faults: {mean_speed: true}}\n"), "mean_speed", 100.0)
 
@@ -200,7 +200,7 @@ def head_offset(place, f, rng):
 
 @kind(ON_GANTRY)
 def head_shear(place, f, rng):
-    shear = sign(rng) * f * PATH_MM / REACH_Y
+    shear = sign(rng) * min(f, 2.9) * PATH_MM / REACH_Y
     return Fault(place.job(machine=f"squareness_urad: {1e6 * shear:.3f}\n"), "head_shear", 1e3 * shear)
 
 
@@ -208,6 +208,12 @@ def head_shear(place, f, rng):
 def backlash(place, f, rng):
     axis, play = rng.choice("xy"), 2.0 * f * PATH_MM
     return Fault(place.job(machine=f"gantry_{axis}: {{backlash_mm: {play:.6f}}}\n"), f"backlash_{axis}", play)
+
+
+@kind(ON_GANTRY, sized=False)
+def loop_soft(place, f, rng):
+    """A job that asks for more acceleration than frame and loops bear: hooks at starts and corners."""
+    return Fault(place.job(keys=f"planner: {{acceleration_mm_s2: {2500 * f:.0f}}}\n"), "loop_soft", None)
 
 
 @kind(ON_HEAD)

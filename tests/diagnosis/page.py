@@ -22,8 +22,8 @@ def first(record):
 
 
 def counts(record):
-    """A fault that the bench lets pass, because a machine's own departures hide it, has nothing to be explained."""
-    return record["verdict"] != "PASS"
+    """A fault that is not proven, because a machine's own departures hide it, has nothing to be explained."""
+    return record["verdict"] in ("FAIL", "INVALID")
 
 
 def is_right(record):
@@ -68,7 +68,9 @@ def shares(records):
     good = [r for r in records if is_good(r)]
     return {"faults": len(faults), "right": sum(map(is_right, faults)), "sizes": len(sizes), "within": sum(map(is_within, sizes)),
             "pairs": len(pairs), "both": sum(map(is_right, pairs)), "good": len(good), "invented": sum(not is_right(r) for r in good),
-            "kinds": len({kind_of(r) for r in faults}), "passed": sum(1 for r in records if r["true"] and not counts(r))}
+            "kinds": len({kind_of(r) for r in faults}), "passed": sum(1 for r in records if r["true"] and r["verdict"] == "PASS"),
+            "unproven": sum(1 for r in records if r["true"] and r["verdict"] == "NOT PROVEN"),
+            "unproven_right": sum(1 for r in records if r["true"] and r["verdict"] == "NOT PROVEN" and is_right(r))}
 
 
 def percent(part, whole):
@@ -80,7 +82,7 @@ def summary_of(records):
     return (f"{s['faults']} faults of {s['kinds']} kinds: right cause first {s['right']} ({percent(s['right'], s['faults'])}), size within its U "
             f"{s['within']} of {s['sizes']} ({percent(s['within'], s['sizes'])}); {s['pairs']} pairs: both {s['both']} "
             f"({percent(s['both'], s['pairs'])}); {s['good']} good runs: {s['invented']} with an invented cause; "
-            f"{s['passed']} faults that passed are not counted")
+            f"not counted: {s['passed']} faults that passed, {s['unproven']} NOT PROVEN ({s['unproven_right']} right)")
 
 
 def matrix_of(records):
@@ -120,7 +122,8 @@ def page_of(records, made_with):
         f"| size within its U | {s['sizes']} | {percent(s['within'], s['sizes'])} | 90 % | {goal(s['within'], s['sizes'], GOALS['size'])} |",
         f"| two faults at once, both named | {s['pairs']} | {percent(s['both'], s['pairs'])} | 80 % | {goal(s['both'], s['pairs'], GOALS['pair'])} |",
         f"| good runs with an invented cause | {s['good']} | {s['invented']} | 0 | {'met' if s['good'] and not s['invented'] else 'not met'} |", "",
-        f"{s['passed']} faults passed, because the machine's own departures hid them: they have nothing to be explained and are not counted.", "",
+        f"Not counted are runs that did not FAIL, because the machine's own departures hid the fault: {s['passed']} that passed, and "
+        f"{s['unproven']} NOT PROVEN, of which {s['unproven_right']} named the right cause. Good runs are counted whatever their verdict.", "",
         "## Confusion matrix", "", *matrix_of(records), "",
         "## What was wrong", "", *([f"- {line_of(r)}" for r in wrong] or ["Nothing."]), "",
         "## Sizes beyond their U", "", *([f"- {line_of(r)}" for r in off] or ["None."]), ""])

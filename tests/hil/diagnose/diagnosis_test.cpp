@@ -45,7 +45,7 @@ const std::vector<Seeded>& seededCauses() {
       {"program_shear", false, true, [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(0.004 * p.y(), 0.0); }); }, 4.0},
       {"step_scale", false, false, [](auto& e) { e.controller(along([](const auto& h, const auto&) { return Vector2d(0.0025 * h.p_mm); })); }, 0.25},
       {"step_scale_y", false, true, [](auto& e) { e.controller(along([](const auto& h, const auto&) { return Vector2d(0.0, 0.005 * h.p_mm.y()); })); }, 0.5},
-      {"sheet_reference", true, false, [](auto& e) { e.controller(along([](const auto&, const auto&) { return Vector2d(-0.06, 0.0); })); }, -0.06},
+      {"sheet_reference", true, false, [](auto& e) { e.controller(along([](const auto&, const auto&) { return Vector2d(-0.09, 0.0); })); }, -0.09},
       {"encoder_scale", true, false, [](auto& e) { e.controller(along([](const auto&, const auto& s) { return Vector2d(0.0004 * s.since_mark_mm, 0.0); })); }, 0.04},
       {"latency", true, true, [](auto& e) { e.controller(along([](const auto&, const auto& s) { return Vector2d(-0.0025 * s.speed_mm_s, 0.0); })); }, 2.5},
       {"mean_speed", true, false, [](auto& e) { e.controller(along([](const auto&, const auto& s) { return Vector2d(-s.off_plan_mm, 0.0); })); }, 100.0},
@@ -56,7 +56,7 @@ const std::vector<Seeded>& seededCauses() {
          e.controller(along([machine](const auto& h, const auto&) { return withoutPincushion_mm(machine, h.p_mm); }));
        },
        100.0},
-      {"head_offset", false, false, [](auto& e) { e.machine(along([](const auto&, const auto&) { return Vector2d(0.02, 0.08); })); }, 0.0825},
+      {"head_offset", false, false, [](auto& e) { e.machine(along([](const auto&, const auto&) { return Vector2d(0.03, 0.12); })); }, 0.1237},
       {"head_rotation", false, false, [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(-0.003 * h.p_mm.y(), 0.003 * h.p_mm.x()); })); }, 3.0},
       {"head_scale", false, false, [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(0.003 * h.p_mm); })); }, 0.3},
       {"head_shear", false, true, [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(-0.004 * h.p_mm.y(), 0.0); })); }, 4.0},
@@ -228,7 +228,7 @@ TEST(EvidenceJson, KeepsWhatTheDiagnosisGoesBy) {
   SyntheticEvidence made;
   made.controller(along([](const auto&, const auto& s) { return Vector2d(0.0005 * s.since_mark_mm, 0.0); }));
   made.evidence().belt = BeltReading{1.0001, 1e-5, 120.0};
-  made.evidence().drives.push_back({"galvo_x", 0.0129, 100, 4, 1, 0, 0, 0, 1e-6, 5e-6, 2e-6, 5e-6, 1.5, 7, {}});
+  made.evidence().drives.push_back({"galvo_x", 0.0129, 100, 1, 0, 0, 0, 1e-6, 5e-6, 2e-6, 5e-6, 1.5, 7, {}});
   const std::string text = evidenceJson(made.evidence());
   const Evidence read = evidenceFromJson(text);
   EXPECT_EQ(evidenceJson(read), text);
