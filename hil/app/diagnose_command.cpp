@@ -53,7 +53,9 @@ int diagnoseOne(const fs::path& file, bool as_json, base::Console& console) {
     return 0;
   }
   if (diagnosis.causes.empty())
-    console.result(diagnosis.sentence.empty() ? "The run has passed, or nothing stands out: no cause is named." : diagnosis.sentence);
+    console.result(diagnosis.sentence.empty()
+                       ? "The run has passed, or nothing stands out: no cause is named."
+                       : diagnosis.sentence);
   for (const diagnose::Cause& cause : diagnosis.causes) console.result(cause.sentence);
   return 0;
 }
@@ -64,7 +66,8 @@ int diagnoseCommand(const std::vector<fs::path>& files, bool as_json) {
   base::Console console(false);
   int code = 0;
   for (const fs::path& file : files)
-    code = base::worstExitCode(code, cli::runGuarded(file, [&] { return diagnoseOne(file, as_json, console); }));
+    code =
+        base::worstExitCode(code, cli::runGuarded(file, [&] { return diagnoseOne(file, as_json, console); }));
   return code;
 }
 

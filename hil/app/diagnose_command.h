@@ -6,8 +6,8 @@
 
 namespace kerfbench::app {
 
-/// Names the causes of runs by the evidence that --keep-evidence has left in their results folders, a line of JSON
-/// for each file where `as_json`, else sentences. Returns 0; base::kExitInput for a file that is none.
+/// Names the causes of runs by the evidence that --keep-evidence has left in their results folders, a line of
+/// JSON for each file where `as_json`, else sentences. Returns 0; base::kExitInput for a file that is none.
 int diagnoseCommand(const std::vector<std::filesystem::path>& files, bool as_json);
 
 }  // namespace kerfbench::app

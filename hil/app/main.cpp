@@ -12,7 +12,6 @@
 #include "hil/app/ci_variable.h"
 #include "hil/app/cli.h"
 #include "hil/app/diagnose_command.h"
-#include "hil/app/diagnose_command.h"
 #include "hil/app/fold_command.h"
 #include "hil/app/instrument_program.h"
 #include "hil/app/lint_command.h"

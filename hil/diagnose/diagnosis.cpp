@@ -46,7 +46,8 @@ std::string noneSentence(const Fitted& fitted) {
   for (const double square : fitted.stage_mm2) sum += square;
   if (!(sum > 0.0) || std::isnan(fitted.deviation_mm)) return "None of the known causes explains this.";
   return fmt::format(
-      "None of the known causes explains this. Of the deviation of {:.3f} mm RMS {:.0f} % arise between drawing and program, {:.0f} % "
+      "None of the known causes explains this. Of the deviation of {:.3f} mm RMS {:.0f} % arise between "
+      "drawing and program, {:.0f} % "
       "between program and pulses, {:.0f} % between pulses and cut.",
       fitted.deviation_mm, 100.0 * fitted.stage_mm2[0] / sum, 100.0 * fitted.stage_mm2[1] / sum,
       100.0 * fitted.stage_mm2[2] / sum);
@@ -76,7 +77,8 @@ Diagnosis diagnose(const Evidence& evidence) {
       return cause.key == "backlash_x" || cause.key == "backlash_y" || cause.key == "axis_slipped";
     });
   // Axes that are swapped, or a gate that is inverted, leave nothing to be fitted.
-  if (has(direct, "axes") || has(direct, "gate_inverted") || has(direct, "encoder_reversed")) fitted.causes.clear();
+  if (has(direct, "axes") || has(direct, "gate_inverted") || has(direct, "encoder_reversed"))
+    fitted.causes.clear();
   diagnosis.causes = std::move(direct);
   std::ranges::move(fitted.causes, std::back_inserter(diagnosis.causes));
   for (Cause& cause : diagnosis.causes) {
@@ -91,15 +93,57 @@ Diagnosis diagnose(const Evidence& evidence) {
 }
 
 const std::vector<std::string>& causeKeys() {
-  static const std::vector<std::string> kKeys{
-      "axes", "axes_lag", "axis_lag_x", "axis_lag_y", "axis_slipped", "backlash_x", "backlash_y", "belt_ignored",
-      "dir_timing", "encoder_reversed", "encoder_scale", "entity_missing", "entity_twice", "gate_closes_early",
-      "gate_closes_late", "gate_early", "gate_inverted", "gate_late", "head_offset", "head_rotation", "head_scale",
-      "head_scale_x", "head_scale_y", "head_shear", "kerf_radius", "kerf_uncompensated", "kerf_wrong_side", "latency",
-      "loop_soft", "mean_speed", "others", "pincushion_missing", "power_scale", "program_offset",
-      "program_rotation", "program_scale", "program_scale_x", "program_scale_y", "program_shear", "pulse_width",
-      "pulses_doubled", "pulses_lost", "sheet_reference", "step_scale", "step_scale_x", "step_scale_y",
-      "stepper_pulled_out", "stopped", "table_missing", "table_other", "table_sign"};
+  static const std::vector<std::string> kKeys{"axes",
+                                              "axes_lag",
+                                              "axis_lag_x",
+                                              "axis_lag_y",
+                                              "axis_slipped",
+                                              "backlash_x",
+                                              "backlash_y",
+                                              "belt_ignored",
+                                              "dir_timing",
+                                              "encoder_reversed",
+                                              "encoder_scale",
+                                              "entity_missing",
+                                              "entity_twice",
+                                              "gate_closes_early",
+                                              "gate_closes_late",
+                                              "gate_early",
+                                              "gate_inverted",
+                                              "gate_late",
+                                              "head_offset",
+                                              "head_rotation",
+                                              "head_scale",
+                                              "head_scale_x",
+                                              "head_scale_y",
+                                              "head_shear",
+                                              "kerf_radius",
+                                              "kerf_uncompensated",
+                                              "kerf_wrong_side",
+                                              "latency",
+                                              "loop_soft",
+                                              "mean_speed",
+                                              "others",
+                                              "pincushion_missing",
+                                              "power_scale",
+                                              "program_offset",
+                                              "program_rotation",
+                                              "program_scale",
+                                              "program_scale_x",
+                                              "program_scale_y",
+                                              "program_shear",
+                                              "pulse_width",
+                                              "pulses_doubled",
+                                              "pulses_lost",
+                                              "sheet_reference",
+                                              "step_scale",
+                                              "step_scale_x",
+                                              "step_scale_y",
+                                              "stepper_pulled_out",
+                                              "stopped",
+                                              "table_missing",
+                                              "table_other",
+                                              "table_sign"};
   return kKeys;
 }
 

@@ -20,24 +20,28 @@ struct Cause {
   /// What: one of causeKeys(), the same for programs at all times.
   std::string key;
   Size size;
-  /// Share of the deviation of the cut that it explains, 0 … 1; NaN where it moves no line (a gate that is late).
+  /// Share of the deviation of the cut that it explains, 0 … 1; NaN where it moves no line (a gate that is
+  /// late).
   double share{kUnknown};
-  double left_mm{kUnknown};         ///< RMS of the deviation that is left.
-  bool direct{};                    ///< Seen in pins, words or pictures, not fitted to deviations.
-  double score{};                   ///< Gain in chi square less the penalty of its parameters; for the order.
-  std::vector<std::string> instead; ///< Causes that explain it as well: they cannot be told apart in this run.
-  std::string sentence;             ///< For people: what it is, how large, what to check.
+  double left_mm{kUnknown};  ///< RMS of the deviation that is left.
+  bool direct{};             ///< Seen in pins, words or pictures, not fitted to deviations.
+  double score{};            ///< Gain in chi square less the penalty of its parameters; for the order.
+  std::vector<std::string>
+      instead;           ///< Causes that explain it as well: they cannot be told apart in this run.
+  std::string sentence;  ///< For people: what it is, how large, what to check.
 };
 
 /// Causes of a bad cut, the most likely first.
 struct Diagnosis {
   std::vector<Cause> causes;
-  double deviation_mm{kUnknown};    ///< RMS of the deviation that is to be explained.
-  std::string sentence;             ///< "None of the known causes …"; else that of the first cause; empty: nothing to say.
+  double deviation_mm{kUnknown};  ///< RMS of the deviation that is to be explained.
+  std::string
+      sentence;  ///< "None of the known causes …"; else that of the first cause; empty: nothing to say.
 };
 
-/// Compares the evidence with what each known cause would make of it. Pure. Of a run that has passed nothing is
-/// said. Direct evidence goes before what fits; a second cause is named if it explains what the first leaves.
+/// Compares the evidence with what each known cause would make of it. Pure. Of a run that has passed nothing
+/// is said. Direct evidence goes before what fits; a second cause is named if it explains what the first
+/// leaves.
 Diagnosis diagnose(const Evidence& evidence);
 
 /// All keys that Cause::key can have.

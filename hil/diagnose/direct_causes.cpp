@@ -68,25 +68,30 @@ void ofDrives(const Evidence& evidence, std::vector<Cause>& causes) {
       const bool setup = drive.setup_violations >= drive.hold_violations;
       causes.push_back(direct(
           "dir_timing", {1e6 * (setup ? drive.least_setup_s : drive.least_hold_s), 0.1, "us"},
-          fmt::format("DIR of {} changes too near to PUL {} times: {:.1f} us {} it where the drive asks for {:.1f} us; steps "
-                      "get lost or go the wrong way at reversals, first at {:.4f} s; move DIR away from PUL in the pulse interrupt.",
+          fmt::format("DIR of {} changes too near to PUL {} times: {:.1f} us {} it where the drive asks for "
+                      "{:.1f} us; steps "
+                      "get lost or go the wrong way at reversals, first at {:.4f} s; move DIR away from PUL "
+                      "in the pulse interrupt.",
                       drive.axis, drive.setup_violations + drive.hold_violations,
                       1e6 * (setup ? drive.least_setup_s : drive.least_hold_s), setup ? "before" : "behind",
                       1e6 * (setup ? drive.setup_s : drive.hold_s), drive.first_violation_s)));
     }
     if (drive.width_violations + drive.space_violations > 0)
-      causes.push_back(direct("pulse_width", {static_cast<double>(drive.width_violations + drive.space_violations), 0.0, "pulses"},
-                              fmt::format("{} pulses of {} or pauses between them are shorter than the drive asks for, first at "
-                                          "{:.4f} s: it may miss steps.",
-                                          drive.width_violations + drive.space_violations, drive.axis, drive.first_violation_s)));
+      causes.push_back(direct(
+          "pulse_width",
+          {static_cast<double>(drive.width_violations + drive.space_violations), 0.0, "pulses"},
+          fmt::format("{} pulses of {} or pauses between them are shorter than the drive asks for, first at "
+                      "{:.4f} s: it may miss steps.",
+                      drive.width_violations + drive.space_violations, drive.axis, drive.first_violation_s)));
     if (!drive.told || !drive.seen || *drive.told == *drive.seen) continue;
     // Whether pulses were lost or doubled is told by the way that the axis went then: see lost_steps.h.
     const auto gone = static_cast<double>(*drive.told - *drive.seen);
-    causes.push_back(direct(
-        kPulsesLost, {std::abs(gone), 0.0, "steps"},
-        fmt::format("The controller counts {} steps of {} and its pins show {}: {} pulses are lost or come twice between its counter "
-                    "and its pins; look at what shares the port or the interrupt.",
-                    *drive.told, drive.axis, *drive.seen, std::abs(*drive.told - *drive.seen))));
+    causes.push_back(
+        direct(kPulsesLost, {std::abs(gone), 0.0, "steps"},
+               fmt::format("The controller counts {} steps of {} and its pins show {}: {} pulses are lost or "
+                           "come twice between its counter "
+                           "and its pins; look at what shares the port or the interrupt.",
+                           *drive.told, drive.axis, *drive.seen, std::abs(*drive.told - *drive.seen))));
   }
 }
 
@@ -103,26 +108,41 @@ void ofGates(const Evidence& evidence, std::vector<Cause>& causes) {
     const bool late = opens.value > 0.0;
     const double ms = 1e3 * std::abs(opens.value);
     const double U_ms = std::max(kLeastU_ms, 1e3 * opens.U);
-    causes.push_back(direct(late ? "gate_late" : "gate_early", {ms, U_ms, "ms"},
-                            fmt::format("The laser's gate opens {} ms {}, behind the pulses and the delay of the axes; {}.", withU(ms, U_ms),
-                                        late ? "late" : "early",
-                                        late ? "begins of lines stay uncut" : "begins of lines are burnt while the beam rests")));
+    causes.push_back(direct(
+        late ? "gate_late" : "gate_early", {ms, U_ms, "ms"},
+        fmt::format("The laser's gate opens {} ms {}, behind the pulses and the delay of the axes; {}.",
+                    withU(ms, U_ms), late ? "late" : "early",
+                    late ? "begins of lines stay uncut" : "begins of lines are burnt while the beam rests")));
   }
   const Middle closes = middleOf(close);
   if (closes.count >= kFewestGates && std::abs(closes.value) > std::max(kGateWorth_s, 2.0 * closes.U)) {
     const bool late = closes.value > 0.0;
     const double ms = 1e3 * std::abs(closes.value);
     const double U_ms = std::max(kLeastU_ms, 1e3 * closes.U);
-    causes.push_back(direct(late ? "gate_closes_late" : "gate_closes_early", {ms, U_ms, "ms"},
-                            fmt::format("The laser's gate closes {} ms {}.", withU(ms, U_ms), late ? "late" : "early")));
+    causes.push_back(
+        direct(late ? "gate_closes_late" : "gate_closes_early", {ms, U_ms, "ms"},
+               fmt::format("The laser's gate closes {} ms {}.", withU(ms, U_ms), late ? "late" : "early")));
   }
+  // Where the sheet is not followed the way on it is not the ordered one.
+  if (evidence.belt_followed < kIgnored) return;
   const Middle power = middleOf(energy);
+  constexpr double kDark = 0.05;
+  if (power.count >= kFewestGates && power.value < kDark) {
+    causes.insert(
+        causes.begin(),
+        direct("gate_inverted", {},
+               "No light falls while the gate is open: check the polarity of gate and PWM (`laser.gate_low`, "
+               "`laser.pwm_low`)."));
+    return;
+  }
   if (power.count >= kFewestGates && std::abs(power.value - 1.0) > std::max(kPowerWorth, power.U)) {
     const double U = std::max(1.0, 100.0 * power.U);
-    causes.push_back(direct("power_scale", {100.0 * (power.value - 1.0), U, "%"},
-                            fmt::format("The pins ask for {} % of the energy per length that was ordered: check the scale of the PWM and "
-                                        "the laser's full power.",
-                                        withU(100.0 * power.value, U))));
+    causes.push_back(direct(
+        "power_scale", {100.0 * (power.value - 1.0), U, "%"},
+        fmt::format(
+            "The pins ask for {} % of the energy per length that was ordered: check the scale of the PWM and "
+            "the laser's full power.",
+            withU(100.0 * power.value, U))));
   }
 }
 
@@ -153,24 +173,27 @@ void ofEntities(const Evidence& evidence, std::vector<Cause>& causes) {
   };
   const bool whole_sheet = missing.size() == units.size();
   if (!missing.empty() && !whole_sheet) {
-    const bool planned = std::ranges::all_of(missing, [&](const auto& m) { return not_in_program.contains(m.first); });
+    const bool planned =
+        std::ranges::all_of(missing, [&](const auto& m) { return not_in_program.contains(m.first); });
     causes.push_back(direct("entity_missing", {static_cast<double>(missing.size()), 0.0, "entities"},
                             fmt::format("{} is not cut: {}.", names(missing),
                                         planned ? "it is not in the program, so the planner left it out"
                                                 : "it is in the program, so the release left it out")));
   }
   if (!twice.empty()) {
-    const bool planned = std::ranges::any_of(twice, [&](const auto& m) { return twice_in_program.contains(m.first); });
+    const bool planned =
+        std::ranges::any_of(twice, [&](const auto& m) { return twice_in_program.contains(m.first); });
     causes.push_back(direct("entity_twice", {static_cast<double>(twice.size()), 0.0, "entities"},
                             fmt::format("{} is cut twice: {}.", names(twice),
-                                        planned ? "it is in the program twice" : "it is in the program once, so the release repeats it")));
+                                        planned ? "it is in the program twice"
+                                                : "it is in the program once, so the release repeats it")));
   }
 }
 
 /// The compensation of the kerf, where the edge of the piece is judged.
 void ofKerf(const Evidence& evidence, std::vector<Cause>& causes) {
   if (!evidence.edges_judged || !(evidence.kerf_radius_mm > 0.0)) return;
-  // By the side on which the program runs beside the line, if it does.
+  // The side on which the program runs beside the line, if it does, gives the sign.
   std::vector<double> beside, away, with;
   for (const LineReading& line : evidence.lines) {
     if (!std::isfinite(line.cut_mm)) continue;
@@ -186,10 +209,12 @@ void ofKerf(const Evidence& evidence, std::vector<Cause>& causes) {
   constexpr double kLeastU_mm = 0.01;
   const double half = evidence.kerf_radius_mm;
   if (program.count > 0 && program.value < 0.25 * half && std::abs(off.value - half) < 0.5 * half) {
-    causes.push_back(direct("kerf_uncompensated", {off.value, std::max(kLeastU_mm, off.U), "mm"},
-                            fmt::format("The kerf is not compensated: edges lie {} mm off, half of the kerf; give the planner the kerf's "
-                                        "radius.",
-                                        withU(off.value, std::max(kLeastU_mm, off.U)))));
+    causes.push_back(direct(
+        "kerf_uncompensated", {off.value, std::max(kLeastU_mm, off.U), "mm"},
+        fmt::format(
+            "The kerf is not compensated: edges lie {} mm off, half of the kerf; give the planner the kerf's "
+            "radius.",
+            withU(off.value, std::max(kLeastU_mm, off.U)))));
     return;
   }
   const Middle same = middleOf(with);
@@ -197,13 +222,15 @@ void ofKerf(const Evidence& evidence, std::vector<Cause>& causes) {
   const double U = std::max(kLeastU_mm, same.U);
   if (same.value > 0.75 * (program.value + half)) {
     causes.push_back(direct("kerf_wrong_side", {same.value, U, "mm"},
-                            fmt::format("The kerf is compensated to the wrong side: edges lie {} mm off, the beam runs where the piece is.",
+                            fmt::format("The kerf is compensated to the wrong side: edges lie {} mm off, the "
+                                        "beam runs where the piece is.",
                                         withU(same.value, U))));
     return;
   }
-  causes.push_back(direct("kerf_radius", {same.value, U, "mm"},
-                          fmt::format("The kerf is compensated by {} mm too {}: half of it is {:.3f} mm here.", withU(std::abs(same.value), U),
-                                      same.value > 0.0 ? "much" : "little", half)));
+  causes.push_back(
+      direct("kerf_radius", {same.value, U, "mm"},
+             fmt::format("The kerf is compensated by {} mm too {}: half of it is {:.3f} mm here.",
+                         withU(std::abs(same.value), U), same.value > 0.0 ? "much" : "little", half)));
 }
 
 void ofWords(const Evidence& evidence, std::vector<Cause>& causes) {
@@ -211,20 +238,25 @@ void ofWords(const Evidence& evidence, std::vector<Cause>& causes) {
     if (!sentence.empty()) causes.push_back(direct(key, {}, sentence));
   };
   constexpr double kLongWay_mm = 100.0;
-  if (evidence.sheet_moves && evidence.openings == 0 && evidence.belt_travel_mm > kLongWay_mm && evidence.stop.empty())
-    add("encoder_reversed",
-        fmt::format("The release never began to cut though the belt ran {:.0f} mm: it does not see the belt come. Check the encoder's sense "
-                    "(wires A and B), then the print mark's sensor.",
-                    evidence.belt_travel_mm));
+  if (evidence.sheet_moves && evidence.openings == 0 && evidence.belt_travel_mm > kLongWay_mm &&
+      evidence.stop.empty())
+    add("encoder_reversed", fmt::format("The release never began to cut though the belt ran {:.0f} mm: it "
+                                        "does not see the belt come. Check the encoder's sense "
+                                        "(wires A and B), then the print mark's sensor.",
+                                        evidence.belt_travel_mm));
   if (evidence.belt_followed < kIgnored)
-    causes.push_back(direct("belt_ignored", {100.0 * (1.0 - evidence.belt_followed), 100.0 * kFollowedU, "%"},
-                            fmt::format("The belt's motion is ignored: between begin and end of cuts the pulses follow {:.0f} % of it.",
-                                        100.0 * evidence.belt_followed)));
+    causes.push_back(direct(
+        "belt_ignored", {100.0 * (1.0 - evidence.belt_followed), 100.0 * kFollowedU, "%"},
+        fmt::format(
+            "The belt's motion is ignored: between begin and end of cuts the pulses follow {:.0f} % of it.",
+            100.0 * evidence.belt_followed)));
   add("gate_inverted", evidence.gate_polarity);
   add("axes", evidence.axes);
   if (!evidence.stop.empty()) add("stopped", "The controller stopped by itself: " + evidence.stop + ".");
   if (evidence.encoder_backwards || (evidence.belt && evidence.belt->ratio < 0.0))
-    add("encoder_reversed", "The encoder counts backwards while the sheet runs forwards: change its wires A and B, or its sense in the release.");
+    add("encoder_reversed",
+        "The encoder counts backwards while the sheet runs forwards: change its wires A and B, or its sense "
+        "in the release.");
 }
 
 }  // namespace

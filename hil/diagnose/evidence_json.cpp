@@ -73,17 +73,13 @@ class Reader {
 };
 
 template <typename V, typename T>
-void members(V& v, T& x)
-  requires std::is_same_v<std::remove_const_t<T>, MachineFacts>
-{
+void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, MachineFacts> {
   v.take(x.gantry), v.take(x.throw_mm), v.take(x.spacing_mm), v.take(x.step_mm), v.take(x.mirror_step_urad);
   v.take(x.tracking_delay_s), v.take(x.encoder_count_mm), v.take(x.full_step_pulses), v.take(x.has_table);
 }
 
 template <typename V, typename T>
-void members(V& v, T& x)
-  requires std::is_same_v<std::remove_const_t<T>, MachineSpread>
-{
+void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, MachineSpread> {
   v.take(x.head_offset_mm), v.take(x.head_rotation_rad), v.take(x.head_scale), v.take(x.head_shear_rad);
   v.take(x.head_bend_mm), v.take(x.lag_s), v.take(x.backlash_mm), v.take(x.mark_mm), v.take(x.unit_mark_mm);
   v.take(x.encoder_scale);
@@ -96,36 +92,30 @@ void headMembers(V& v, T& x) {
 }
 
 template <typename V, typename T>
-void members(V& v, T& x)
-  requires std::is_same_v<std::remove_const_t<T>, LineReading>
-{
-  v.take(x.unit), v.take(x.entity), v.take(x.p_S_mm), v.take(x.normal), v.take(x.cut_mm), v.take(x.cut_sigma_mm);
+void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, LineReading> {
+  v.take(x.unit), v.take(x.entity), v.take(x.p_S_mm), v.take(x.normal), v.take(x.cut_mm),
+      v.take(x.cut_sigma_mm);
   v.take(x.asked_mm), v.take(x.program_mm);
   headMembers(v, x.head);
-  v.take(x.sheet.x_mm), v.take(x.sheet.speed_mm_s), v.take(x.sheet.since_mark_mm), v.take(x.sheet.off_plan_mm);
+  v.take(x.sheet.x_mm), v.take(x.sheet.speed_mm_s), v.take(x.sheet.since_mark_mm),
+      v.take(x.sheet.off_plan_mm);
   v.take(x.table_mm);
 }
 
 template <typename V, typename T>
-void members(V& v, T& x)
-  requires std::is_same_v<std::remove_const_t<T>, SpotReading>
-{
+void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, SpotReading> {
   v.take(x.unit);
   headMembers(v, x.head);
   v.take(x.away_mm), v.take(x.sigma_mm), v.take(x.table_mm);
 }
 
 template <typename V, typename T>
-void members(V& v, T& x)
-  requires std::is_same_v<std::remove_const_t<T>, GateReading>
-{
+void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, GateReading> {
   v.take(x.unit), v.take(x.entity), v.take(x.open_late_s), v.take(x.close_late_s), v.take(x.energy_share);
 }
 
 template <typename V, typename T>
-void members(V& v, T& x)
-  requires std::is_same_v<std::remove_const_t<T>, DriveReading>
-{
+void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, DriveReading> {
   v.take(x.axis), v.take(x.step_mm), v.take(x.pulses), v.take(x.setup_violations);
   v.take(x.hold_violations), v.take(x.width_violations), v.take(x.space_violations), v.take(x.least_setup_s);
   v.take(x.setup_s), v.take(x.least_hold_s), v.take(x.hold_s), v.take(x.first_violation_s), v.take(x.told);
@@ -133,9 +123,7 @@ void members(V& v, T& x)
 }
 
 template <typename V, typename T>
-void members(V& v, T& x)
-  requires std::is_same_v<std::remove_const_t<T>, EntityReading>
-{
+void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, EntityReading> {
   v.take(x.unit), v.take(x.entity), v.take(x.coverage), v.take(x.passes), v.take(x.in_program);
   v.take(x.times_in_program);
 }
@@ -143,7 +131,9 @@ void members(V& v, T& x)
 template <typename V, typename T>
 void scalars(V& v, T& e) {
   v.take(e.limit_mm), v.take(e.passed), v.take(e.failed), v.take(e.edges_judged), v.take(e.kerf_radius_mm);
-  v.take(e.ordered_radius_mm), v.take(e.planned_speed_mm_s), v.take(e.sheet_moves), v.take(e.encoder_backwards), v.take(e.belt_travel_mm), v.take(e.openings), v.take(e.belt_followed), v.take(e.drawing_centre_mm);
+  v.take(e.ordered_radius_mm), v.take(e.planned_speed_mm_s), v.take(e.sheet_moves),
+      v.take(e.encoder_backwards), v.take(e.belt_travel_mm), v.take(e.openings), v.take(e.belt_followed),
+      v.take(e.drawing_centre_mm);
   v.take(e.stop), v.take(e.axes), v.take(e.gate_polarity), v.take(e.others);
 }
 
@@ -188,7 +178,8 @@ std::string evidenceJson(const Evidence& evidence) {
   json["belt"] = nullptr;
   if (evidence.belt) {
     Writer belt;
-    belt.take(evidence.belt->ratio), belt.take(evidence.belt->ratio_sigma), belt.take(evidence.belt->travel_mm);
+    belt.take(evidence.belt->ratio), belt.take(evidence.belt->ratio_sigma),
+        belt.take(evidence.belt->travel_mm);
     json["belt"] = belt.json;
   }
   json["lines"] = list(evidence.lines);
@@ -211,7 +202,8 @@ Evidence evidenceFromJson(const std::string& text) {
     if (const Json& j = json.at("belt"); !j.is_null()) {
       Reader belt(j);
       evidence.belt.emplace();
-      belt.take(evidence.belt->ratio), belt.take(evidence.belt->ratio_sigma), belt.take(evidence.belt->travel_mm);
+      belt.take(evidence.belt->ratio), belt.take(evidence.belt->ratio_sigma),
+          belt.take(evidence.belt->travel_mm);
     }
     read(json.at("lines"), evidence.lines);
     read(json.at("spots"), evidence.spots);

@@ -23,6 +23,9 @@ constexpr double kWorthOne = 6.0;
 constexpr double kWorthTwo = 30.0;
 /// Causes whose scores lie nearer are not told apart.
 constexpr double kAlike = 6.0;
+/// Pulses that come twice now and then must fit better by so much than others that get lost: whole steps hide
+/// the difference.
+constexpr double kLostRather = 100.0;
 /// Rows farther off than so many medians of all are left out.
 constexpr double kFarAway = 9.0;
 /// Share of the path's limit that a cause must move some line by.
@@ -92,7 +95,8 @@ class Ranker {
     if (targets_.size() < kFewest) return fitted;
     fitted_mm_ = fitted.deviation_mm;
     std::vector<Candidate> singles;
-    for (const KnownCause& cause : known_) singles.push_back({{&cause}, scoreOf(cause.hypothesis) - unlikely(cause)});
+    for (const KnownCause& cause : known_)
+      singles.push_back({{&cause}, scoreOf(cause.hypothesis) - unlikely(cause)});
     std::ranges::stable_sort(singles, std::greater<>(), &Candidate::score);
     if (singles.empty() || singles.front().score < kWorthOne) return fitted;
     Candidate chosen;
@@ -115,20 +119,20 @@ class Ranker {
     double score{};
   };
 
-  /// Pulses of one sense that come twice now and then look like those of the other that get lost, which they do
-  /// more often.
+  /// Pulses of one sense that come twice now and then look like those of the other that get lost, which they
+  /// do more often.
   [[nodiscard]] double unlikely(const KnownCause& cause) const {
     if (cause.key != kPulsesLost || isTimed(cause)) return 0.0;
     const auto k = static_cast<Eigen::Index>(fit_->indexOf(cause.size_of.front()));
-    return cause.factor * fit_->fit(cause.hypothesis).size(k) < 0.0 ? 2.0 * kAlike : 0.0;
+    return cause.factor * fit_->fit(cause.hypothesis).size(k) < 0.0 ? kLostRather : 0.0;
   }
 
   [[nodiscard]] bool applies(const KnownCause& cause) const {
     return std::ranges::all_of(cause.size_of, [&](const std::string& key) { return fit_->has(key); });
   }
 
-  /// Makes the rows of each stage as uncertain as what all causes together leave of them shows, and takes out those
-  /// that lie far from all others: a normal that met the way at another place.
+  /// Makes the rows of each stage as uncertain as what all causes together leave of them shows, and takes out
+  /// those that lie far from all others: a normal that met the way at another place.
   void widen(std::vector<Row>& rows) const {
     const std::vector<double> left = fit_->left(fit_->fit(all()));
     std::vector<bool> is_far(rows.size(), false);
@@ -149,7 +153,8 @@ class Ranker {
         square += left[i] * left[i];
         ++count;
       }
-      const double factor = std::sqrt(std::max(1.0, square / static_cast<double>(std::max<std::size_t>(1, count))));
+      const double factor =
+          std::sqrt(std::max(1.0, square / static_cast<double>(std::max<std::size_t>(1, count))));
       for (Row& row : rows)
         if (row.stage == stage) row.sigma_mm *= factor;
     }
@@ -172,12 +177,16 @@ class Ranker {
     return none_ - fit.chi_square - penalty_ * (fit.parameters + (has_time ? 1 : 0));
   }
 
-  static bool isTimed(const KnownCause& cause) { return cause.size_of.front().find('@') != std::string::npos; }
+  static bool isTimed(const KnownCause& cause) {
+    return cause.size_of.front().find('@') != std::string::npos;
+  }
 
-  /// Of all that are there all the time; of those that begin at some time with the best of these.
+  /// Tries all pairs of causes that are there all the time, and those that begin at some time with the best
+  /// of these.
   [[nodiscard]] std::optional<Candidate> bestPair(const std::vector<Candidate>& singles) const {
     std::vector<const KnownCause*> steady, timed;
-    for (const Candidate& single : singles) (isTimed(*single.causes[0]) ? timed : steady).push_back(single.causes[0]);
+    for (const Candidate& single : singles)
+      (isTimed(*single.causes[0]) ? timed : steady).push_back(single.causes[0]);
     std::optional<Candidate> best;
     const auto hold = [&](const KnownCause* a, const KnownCause* b) {
       if (shared(*a, *b)) return;
@@ -195,10 +204,12 @@ class Ranker {
 
   /// Two ways to say the same: pairs of them are none.
   static bool shared(const KnownCause& a, const KnownCause& b) {
-    return std::ranges::any_of(a.size_of, [&](const std::string& key) {
-      return std::ranges::find(b.size_of, key) != b.size_of.end() ||
-             std::ranges::find(b.hypothesis.free, key) != b.hypothesis.free.end();
-    }) || (a.key == b.key);
+    return std::ranges::any_of(a.size_of,
+                               [&](const std::string& key) {
+                                 return std::ranges::find(b.size_of, key) != b.size_of.end() ||
+                                        std::ranges::find(b.hypothesis.free, key) != b.hypothesis.free.end();
+                               }) ||
+           (a.key == b.key);
   }
 
   /// The hypothesis of a candidate with sizes to be found in place of known ones.
@@ -232,13 +243,13 @@ class Ranker {
     for (const std::string& key : keys) {
       const std::size_t k = fit_->indexOf(key);
       if (k >= fit_->signatures().size()) continue;
-      moved_mm += sizes(static_cast<Eigen::Index>(k)) *
-                  fit_->signatures()[k].displacement_mm(row).dot(row.along);
+      moved_mm +=
+          sizes(static_cast<Eigen::Index>(k)) * fit_->signatures()[k].displacement_mm(row).dot(row.along);
     }
     return moved_mm;
   }
 
-  /// Of the lines; of the spots where the cause moves no line aside, but the beam along them.
+  /// Explains lines; spots where the cause moves no line aside, but the beam along them.
   [[nodiscard]] Explained explainedBy(const KnownCause& cause, const Eigen::VectorXd& sizes) const {
     Explained lines;
     for (const Target& target : targets_) lines.take(target.away_mm, movedBy(cause, sizes, target.row));
@@ -278,21 +289,23 @@ class Ranker {
     cause.size = {sizes.size() == 1 ? sizes[0] : std::sqrt(square), 2.0 * std::sqrt(variance), known.unit};
     const Explained explained = explainedBy(known, fit.size);
     cause.share = explained.share();
-    cause.left_mm = std::sqrt(explained.after / static_cast<double>(std::max<std::size_t>(1, explained.count)));
+    cause.left_mm =
+        std::sqrt(explained.after / static_cast<double>(std::max<std::size_t>(1, explained.count)));
     cause.score = chosen.score;
     if (explained.most_mm < kWorthOfLimit * evidence_.limit_mm) return {};
     if (chosen.causes.size() > 1 && explained.most_mm < kWorthOfTwo * evidence_.limit_mm) return {};
     cause.key = known.key == kPulsesLost && cause.size.value < 0.0 ? kPulsesDoubled : known.key;
     if (isTimed(known) || known.key == kPulsesLost) cause.size.value = std::abs(cause.size.value);
     cause.instead = alternatives(known, chosen);
-    cause.sentence = fmt::format("{}: explains {:.0f} % of the deviation, {:.3f} mm RMS are left; {}.",
-                                 known.what(sizes, cause.size.U), 100.0 * cause.share, cause.left_mm,
-                                 known.advice(sizes));
+    cause.sentence =
+        fmt::format("{}: explains {:.0f} % of the deviation, {:.3f} mm RMS are left; {}.",
+                    known.what(sizes, cause.size.U), 100.0 * cause.share, cause.left_mm, known.advice(sizes));
     return cause;
   }
 
   /// What would explain it as well in place of one of the chosen.
-  [[nodiscard]] std::vector<std::string> alternatives(const KnownCause& known, const Candidate& chosen) const {
+  [[nodiscard]] std::vector<std::string> alternatives(const KnownCause& known,
+                                                      const Candidate& chosen) const {
     std::vector<std::string> keys;
     for (const KnownCause& other : known_) {
       if (other.key == known.key || std::ranges::find(keys, other.key) != keys.end()) continue;

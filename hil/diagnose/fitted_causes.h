@@ -7,9 +7,9 @@
 
 namespace kerfbench::diagnose {
 
-/// Of the causes that move lines those that explain the deviation best, at most two. Score: gain in chi square
-/// over what the machine's tolerances explain, less ln n for each size that was found (Schwarz 1978), with chi
-/// square scaled to what all causes together leave.
+/// Finds, among the causes that move lines, those that explain the deviation best, at most two. Score: gain
+/// in chi square over what the machine's tolerances explain, less ln n for each size that was found (Schwarz
+/// 1978), with chi square scaled to what all causes together leave.
 struct Fitted {
   std::vector<Cause> causes;
   double deviation_mm{kUnknown};

@@ -35,7 +35,8 @@ std::vector<Moment> momentsOf(const std::vector<Row>& rows, Stage stage) {
   std::ranges::sort(gaps);
   gaps.erase(std::unique(gaps.begin(), gaps.end()), gaps.end());
   for (const std::size_t i : gaps) {
-    if (static_cast<double>(i) < kFewestRows || static_cast<double>(sorted.size() - i) < kFewestRows) continue;
+    if (static_cast<double>(i) < kFewestRows || static_cast<double>(sorted.size() - i) < kFewestRows)
+      continue;
     const Row& before = *sorted[i - 1];
     const Row& after = *sorted[i];
     if (!(after.head.time_s > before.head.time_s)) continue;
@@ -57,11 +58,12 @@ KnownCause ofPulses(const Evidence& evidence, int axis, const Moment& moment, co
   cause.factor = -forward / (step_mm > 0.0 ? step_mm : 1.0);
   cause.unit = step_mm > 0.0 ? "steps" : "mm";
   cause.what = [=](const std::vector<double>& s, double U) {
-    return fmt::format("About {:.3f} s {} pulses of {} {}", moment.time_s, withU(std::abs(s[0]), U), axisName(axis),
-                       s[0] < 0.0 ? "came twice" : "were lost");
+    return fmt::format("About {:.3f} s {} pulses of {} {}", moment.time_s, withU(std::abs(s[0]), U),
+                       axisName(axis), s[0] < 0.0 ? "came twice" : "were lost");
   };
   cause.advice = [=](const std::vector<double>&) {
-    return std::string("from then on all lines lie aside: look at what the release does then (UART, interrupts)");
+    return std::string(
+        "from then on all lines lie aside: look at what the release does then (UART, interrupts)");
   };
   return cause;
 }
@@ -74,11 +76,14 @@ KnownCause ofHead(const Evidence& evidence, int axis, const Moment& moment, cons
   cause.size_of = {key};
   cause.unit = "mm";
   cause.what = [=](const std::vector<double>& s, double U) {
-    return fmt::format("About {:.3f} s {} stayed {} mm behind its pulses for good", moment.time_s, axisName(axis), withU(std::abs(s[0]), U));
+    return fmt::format("About {:.3f} s {} stayed {} mm behind its pulses for good", moment.time_s,
+                       axisName(axis), withU(std::abs(s[0]), U));
   };
   cause.advice = [=](const std::vector<double>&) {
-    return std::string(is_stepper ? "the stepper was pulled out: ask for less acceleration there, or give it more current"
-                                  : "the axis slipped, or its drive took pulses the wrong way: check DIR's times, couplings and belts");
+    return std::string(
+        is_stepper ? "the stepper was pulled out: ask for less acceleration there, or give it more current"
+                   : "the axis slipped, or its drive took pulses the wrong way: check DIR's times, couplings "
+                     "and belts");
   };
   return cause;
 }
@@ -119,11 +124,13 @@ std::vector<KnownCause> leakingPulses(const Evidence& evidence) {
       cause.factor = (forward ? -1.0 : 1.0) * most_mm[axis] / step_mm;
       cause.unit = "steps";
       cause.what = [=](const std::vector<double>& s, double U) {
-        return fmt::format("Now and then, {} in all, pulses of {} that lead {} {}", withU(std::abs(s[0]), U), axisName(axis),
-                           forward ? "forwards" : "backwards", s[0] < 0.0 ? "come twice" : "get lost");
+        return fmt::format("Now and then, {} in all, pulses of {} that lead {} {}", withU(std::abs(s[0]), U),
+                           axisName(axis), forward ? "forwards" : "backwards",
+                           s[0] < 0.0 ? "come twice" : "get lost");
       };
       cause.advice = [](const std::vector<double>&) {
-        return std::string("lines lie farther aside the later they are cut: look at what shares the interrupt (UART, log)");
+        return std::string(
+            "lines lie farther aside the later they are cut: look at what shares the interrupt (UART, log)");
       };
       list.push_back(std::move(cause));
     }

@@ -12,13 +12,13 @@ inline constexpr const char* kPulsesDoubled = "pulses_doubled";
 
 /// An axis that is displaced from some time on, and what that means there.
 struct LostSteps {
-  Signature signature;  ///< Its key has an '@' before the number of the time.
+  Signature signature;  ///< Key with an '@' before the number of the time.
   KnownCause cause;
 };
 
 /// For both axes, between program and pulses and between pulses and beam, at each time at which it may have
-/// happened: between two cuts, and within them. Of the pulses, those that go on in the way that the axis moves
-/// then were doubled, the others lost.
+/// happened: between two cuts, and within them. Of the pulses, those that go on in the way that the axis
+/// moves then were doubled, the others lost.
 std::vector<LostSteps> lostSteps(const Evidence& evidence, const std::vector<Row>& rows);
 
 /// Pulses of one sense that get lost, or come twice, now and then through the whole run.

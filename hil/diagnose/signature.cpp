@@ -13,13 +13,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// What neighbours 2 mm apart do not share: rounding of G-code; steps and the sheet's pose; grain of the board,
-/// ripple of drives and flutter.
+/// What neighbours 2 mm apart do not share: rounding of G-code; steps and the sheet's pose; grain of the
+/// board, ripple of drives and flutter.
 constexpr double kProgramSigma_mm = 0.001;
 constexpr double kControllerSigma_mm = 0.005;
 constexpr double kMachineSigma_mm = 0.006;
 constexpr double kSpotSigma_mm = 0.012;
-/// An axis that rests along a line stands on a whole step, up to half of one off: uniform, so step / sqrt(12).
+/// An axis that rests along a line stands on a whole step, up to half of one off: uniform, so step /
+/// sqrt(12).
 constexpr double kWholeStep = 0.289;
 /// Place at which MachineSpread::head_bend_mm is stated.
 constexpr double kBendAt_mm = 50.0;
@@ -72,7 +73,8 @@ void ofLines(const Evidence& evidence, std::vector<Signature>& list) {
   for (const auto& [unit, entity] : lines)
     list.push_back({fmt::format("line_{}_{}", unit, entity), Stage::kController, step_mm,
                     [unit = unit, entity = entity](const Row& row) {
-                      return Vector2d(row.unit == unit && row.entity == entity ? row.along : Vector2d(0.0, 0.0));
+                      return Vector2d(row.unit == unit && row.entity == entity ? row.along
+                                                                               : Vector2d(0.0, 0.0));
                     }});
 }
 
@@ -90,17 +92,20 @@ void ofController(const Evidence& evidence, std::vector<Signature>& list) {
   add("step_y", 0.0, [](const Row& row) { return Vector2d(0.0, row.head.p_mm.y()); });
   if (!evidence.machine.gantry) {
     const MachineFacts machine = evidence.machine;
-    add("pincushion", 0.0, [machine](const Row& row) { return withoutPincushion_mm(machine, row.head.p_mm); });
+    add("pincushion", 0.0,
+        [machine](const Row& row) { return withoutPincushion_mm(machine, row.head.p_mm); });
   }
   if (evidence.machine.has_table) add("table", 0.0, [](const Row& row) { return row.table_mm; });
-  // Pulses that get lost now and then in one sense: what is lost of them goes with the way that is gone in it.
+  // Pulses that get lost now and then in one sense: what is lost of them goes with the way that is gone in
+  // it.
   add("leak_x_forward", 0.0, [](const Row& row) { return Vector2d(row.head.forward_mm.x(), 0.0); });
-  add("leak_x_back", 0.0, [](const Row& row) { return Vector2d(row.head.forward_mm.x() - row.head.p_mm.x(), 0.0); });
+  add("leak_x_back", 0.0,
+      [](const Row& row) { return Vector2d(row.head.forward_mm.x() - row.head.p_mm.x(), 0.0); });
   add("leak_y_forward", 0.0, [](const Row& row) { return Vector2d(0.0, row.head.forward_mm.y()); });
-  add("leak_y_back", 0.0, [](const Row& row) { return Vector2d(0.0, row.head.forward_mm.y() - row.head.p_mm.y()); });
+  add("leak_y_back", 0.0,
+      [](const Row& row) { return Vector2d(0.0, row.head.forward_mm.y() - row.head.p_mm.y()); });
   if (!evidence.sheet_moves) return;
-  add("encoder", spread.encoder_scale,
-      [](const Row& row) { return Vector2d(row.sheet.since_mark_mm, 0.0); });
+  add("encoder", spread.encoder_scale, [](const Row& row) { return Vector2d(row.sheet.since_mark_mm, 0.0); });
   add("latency", 0.0, [](const Row& row) { return Vector2d(-row.sheet.speed_mm_s, 0.0); });
   add("plan_speed", 0.0, [](const Row& row) { return Vector2d(-row.sheet.off_plan_mm, 0.0); });
   int units = 0;
@@ -192,8 +197,8 @@ std::vector<Signature> signaturesOf(const Evidence& evidence) {
 }
 
 Signature stepAt(Stage stage, int axis, double time_s) {
-  return {fmt::format("{}_step_{}", stage == Stage::kMachine ? "head" : "pulses", axis == 0 ? "x" : "y"), stage,
-          0.0, [axis, time_s](const Row& row) {
+  return {fmt::format("{}_step_{}", stage == Stage::kMachine ? "head" : "pulses", axis == 0 ? "x" : "y"),
+          stage, 0.0, [axis, time_s](const Row& row) {
             const double after = row.head.time_s > time_s ? 1.0 : 0.0;
             return axis == 0 ? Vector2d(after, 0.0) : Vector2d(0.0, after);
           }};

@@ -11,7 +11,8 @@
 
 namespace kerfbench::diagnose {
 
-/// Where on the way from the drawing to the cut a deviation arises. The deviation of a cut is the sum of all three.
+/// Where on the way from the drawing to the cut a deviation arises. The deviation of a cut is the sum of all
+/// three.
 enum class Stage {
   kProgram,     ///< Between drawing and program: the planner.
   kController,  ///< Between program and pulses: the firmware, and what it was told of head and belt.
@@ -40,7 +41,8 @@ std::vector<Row> rowsOf(const Evidence& evidence);
 struct Signature {
   std::string key;
   Stage stage{};
-  /// What the machine may have of it within its tolerances, standard deviation in the signature's unit; 0: none.
+  /// What the machine may have of it within its tolerances, standard deviation in the signature's unit; 0:
+  /// none.
   double usual{};
   std::function<Eigen::Vector2d(const Row&)> displacement_mm;
 
@@ -49,8 +51,8 @@ struct Signature {
   }
 };
 
-/// All that are linear in their size, in a fixed order. Displacements of more than a row's first order (a turn by
-/// degrees) are no matter of these; axes_fit.h finds what is that gross.
+/// All that are linear in their size, in a fixed order. Displacements of more than a row's first order (a
+/// turn by degrees) are no matter of these; axes_fit.h finds what is that gross.
 std::vector<Signature> signaturesOf(const Evidence& evidence);
 
 /// Displacement from a time on, W.

@@ -50,7 +50,8 @@ std::vector<double> StageFit::left(const Fit& fit) const {
   for (const Row& row : rows_) {
     double rest_mm = row.y_mm;
     for (std::size_t k = 0; k < signatures_.size(); ++k)
-      if (const double size = fit.size(static_cast<Eigen::Index>(k)); size != 0.0) rest_mm -= size * signatures_[k].of(row);
+      if (const double size = fit.size(static_cast<Eigen::Index>(k)); size != 0.0)
+        rest_mm -= size * signatures_[k].of(row);
     left.push_back(rest_mm / row.sigma_mm);
   }
   return left;
@@ -104,7 +105,8 @@ Fit StageFit::fit(const Hypothesis& hypothesis) const {
   for (Eigen::Index i = 0; i < size; ++i) {
     fit.size(taken[static_cast<std::size_t>(i)]) += found(i);
     for (Eigen::Index k = 0; k < size; ++k)
-      fit.covariance(taken[static_cast<std::size_t>(i)], taken[static_cast<std::size_t>(k)]) = covariance(i, k);
+      fit.covariance(taken[static_cast<std::size_t>(i)], taken[static_cast<std::size_t>(k)]) =
+          covariance(i, k);
   }
   return fit;
 }

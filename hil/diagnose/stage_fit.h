@@ -24,13 +24,13 @@ struct Hypothesis {
 /// Both at once.
 Hypothesis both(const Hypothesis& a, const Hypothesis& b);
 
-/// A hypothesis held against the rows by weighted least squares. What a machine may have within its tolerances is
-/// fitted along, held to them as to a measurement (Bayesian linear regression with normal priors), so that a size
-/// is as uncertain as the tolerances make it.
+/// A hypothesis held against the rows by weighted least squares. What a machine may have within its
+/// tolerances is fitted along, held to them as to a measurement (Bayesian linear regression with normal
+/// priors), so that a size is as uncertain as the tolerances make it.
 struct Fit {
   double chi_square{};
-  int parameters{};          ///< Sizes that were found.
-  Eigen::VectorXd size;      ///< Of all signatures in their order; those of no part are 0.
+  int parameters{};      ///< Sizes that were found.
+  Eigen::VectorXd size;  ///< Sizes of all signatures in their order; 0 where one has no part.
   Eigen::MatrixXd covariance;
 };
 

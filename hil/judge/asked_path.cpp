@@ -14,9 +14,7 @@ constexpr double kNearFrames_s = 0.02;
 constexpr std::size_t kMostFrames = 40;
 constexpr double kLongBack_s = 0.02;
 
-Eigen::Vector2d nowhere() {
-  return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-}
+Eigen::Vector2d nowhere() { return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
 }  // namespace
 
@@ -35,7 +33,8 @@ AskedPath::AskedPath(const SharedSteps& steps, const PlaceOfSteps& place, double
     before = now;
     whole.push_back(place(Eigen::Vector2d(now[0], now[1])).value_or(nowhere()));
   }
-  // Steps are those at the end of a raster period: the mean of 2 n + 1 that begin with the one before -n has its middle at 0.
+  // Steps are those at the end of a raster period: the mean of 2 n + 1 that begin with the one before -n has
+  // its middle at 0.
   constexpr auto kHalf = static_cast<std::ptrdiff_t>(0.5 * kSmooth_s / kRaster_s);
   p_mm_.reserve(count);
   const auto size = static_cast<std::ptrdiff_t>(whole.size());
@@ -90,8 +89,7 @@ diagnose::HeadState AskedPath::at(double time_s) const {
   const auto raster = static_cast<std::size_t>(asked_s / kRaster_s);
   state.flank = flank_[raster];
   state.forward_mm = forward_mm_[raster];
-  const Eigen::Vector2d v =
-      (placeAt(asked_s + kSpeed_s) - placeAt(asked_s - kSpeed_s)) / (2.0 * kSpeed_s);
+  const Eigen::Vector2d v = (placeAt(asked_s + kSpeed_s) - placeAt(asked_s - kSpeed_s)) / (2.0 * kSpeed_s);
   if (v.allFinite()) state.v_mm_s = v;
   const Eigen::Vector2d a =
       (placeAt(asked_s + kForce_s) - 2.0 * p_mm + placeAt(asked_s - kForce_s)) / (kForce_s * kForce_s);
@@ -109,8 +107,8 @@ SheetPath::SheetPath(const vision::SpotTrack& track, const std::vector<inspect::
     for (const vision::SheetPose& pose : frame.sheet) {
       if (pose.unit < 0 || static_cast<std::size_t>(pose.unit) >= units_.size() || pose.marks < 2) continue;
       const double variance = pose.covariance(0, 0) + pose.covariance(1, 1);
-      units_[static_cast<std::size_t>(pose.unit)].push_back({frame.mid_s, belt_mm(frame.mid_s), pose.p_WS_mm,
-                                                             pose.angle_rad, 1.0 / std::max(variance, 1e-8)});
+      units_[static_cast<std::size_t>(pose.unit)].push_back(
+          {frame.mid_s, belt_mm(frame.mid_s), pose.p_WS_mm, pose.angle_rad, 1.0 / std::max(variance, 1e-8)});
     }
   }
 }
@@ -129,21 +127,19 @@ SheetPath::Pose SheetPath::at(int unit, double time_s) const {
   const double belt = belt_mm(time_s);
   const auto index = static_cast<std::size_t>(std::clamp(unit, 0, static_cast<int>(units_.size()) - 1));
   const std::vector<Seen>& seen = units_[index];
-  if (seen.empty())
-    return {{start_x_mm_ + belt - static_cast<double>(index) * pitch_mm_, 0.0}, 0.0};
+  if (seen.empty()) return {{start_x_mm_ + belt - static_cast<double>(index) * pitch_mm_, 0.0}, 0.0};
   // The nearest frames, at least a few of them.
   auto first = std::ranges::lower_bound(seen, time_s - kNearFrames_s, {}, &Seen::time_s);
   auto last = std::ranges::upper_bound(seen, time_s + kNearFrames_s, {}, &Seen::time_s);
   while (last - first < 4 && (first != seen.begin() || last != seen.end())) {
-    const bool back = first != seen.begin() &&
-                      (last == seen.end() || time_s - (first - 1)->time_s < last->time_s - time_s);
+    const bool back =
+        first != seen.begin() && (last == seen.end() || time_s - (first - 1)->time_s < last->time_s - time_s);
     if (back)
       --first;
     else
       ++last;
   }
-  const auto stride = static_cast<std::ptrdiff_t>(
-      static_cast<std::size_t>(last - first) / kMostFrames + 1);
+  const auto stride = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(last - first) / kMostFrames + 1);
   Pose pose;
   double weights = 0.0;
   double angle = 0.0;
@@ -168,7 +164,7 @@ Eigen::Vector2d SheetPath::inSheet(int unit, double time_s, const Eigen::Vector2
 }
 
 std::optional<diagnose::BeltReading> SheetPath::scale() const {
-  // Of each unit by itself: where a unit's marks were printed is not the belt's matter.
+  // Each unit by itself: where its marks were printed is not the belt's matter.
   double xx = 0.0, xy = 0.0, yy = 0.0, least = 0.0, most = 0.0;
   std::size_t count = 0;
   for (const std::vector<Seen>& seen : units_) {

@@ -116,7 +116,8 @@ class EvidenceMaker {
     out_.sheet_moves = scenario.sheetMoves() && !scenario.belt_by_controller;
     out_.drawing_centre_mm = case_.dieline->bounds().center();
     // A belt that runs forwards while its encoder counts backwards.
-    if (out_.sheet_moves && !pins_.belt.empty() && scenario.belt_speed_mm_s > 0.0 && pins_.belt.back().x_mm < -kFar_mm)
+    if (out_.sheet_moves && !pins_.belt.empty() && scenario.belt_speed_mm_s > 0.0 &&
+        pins_.belt.back().x_mm < -kFar_mm)
       out_.encoder_backwards = true;
     if (!pins_.belt.empty()) out_.belt_travel_mm = pins_.belt.back().x_mm - pins_.belt.front().x_mm;
     out_.openings = static_cast<int>(pins_.gates.size());
@@ -205,7 +206,8 @@ class EvidenceMaker {
     out_.gates = gateReadings(cuts, asked, sheet_, pins_.light, order);
   }
 
-  /// How far the pulses go along x from begin to end of each piece of the program, less what the piece itself does.
+  /// How far the pulses go along x from begin to end of each piece of the program, less what the piece itself
+  /// does.
   [[nodiscard]] double beltFollowed(const AskedPath& asked, const TimedCuts& cuts) const {
     constexpr double kLong_mm = 3.0;
     std::vector<double> shares;
@@ -213,9 +215,11 @@ class EvidenceMaker {
       if (cut.piece == nullptr) continue;
       const diagnose::HeadState begin = asked.at(cut.on_s);
       const diagnose::HeadState end = asked.at(cut.off_s);
-      const double travel_mm = sheet_.at(cut.unit, cut.off_s).p_mm.x() - sheet_.at(cut.unit, cut.on_s).p_mm.x();
+      const double travel_mm =
+          sheet_.at(cut.unit, cut.off_s).p_mm.x() - sheet_.at(cut.unit, cut.on_s).p_mm.x();
       if (!begin.known() || !end.known() || std::abs(travel_mm) < kLong_mm) continue;
-      const double piece_mm = cut.piece->segments.back().end_mm.x() - cut.piece->segments.front().start_mm.x();
+      const double piece_mm =
+          cut.piece->segments.back().end_mm.x() - cut.piece->segments.front().start_mm.x();
       shares.push_back((end.p_mm.x() - begin.p_mm.x() - (cut.reversed ? -piece_mm : piece_mm)) / travel_mm);
     }
     if (shares.empty()) return diagnose::kUnknown;
@@ -248,13 +252,15 @@ class EvidenceMaker {
         out_.lines.push_back(line);
       }
       const auto begin = out_.lines.begin() + static_cast<std::ptrdiff_t>(first);
-      const auto unknown = std::count_if(begin, out_.lines.end(), [](const auto& l) { return std::isnan(l.asked_mm); });
+      const auto unknown =
+          std::count_if(begin, out_.lines.end(), [](const auto& l) { return std::isnan(l.asked_mm); });
       if (2 * unknown > out_.lines.end() - begin && cuts.paired() && program.has(kerf.entity))
         for (auto line = begin; line != out_.lines.end(); ++line) timed(asked, cuts, kFar_mm, *line);
     }
   }
 
-  void timed(const AskedPath& asked, const TimedCuts& cuts, double reach_mm, diagnose::LineReading& line) const {
+  void timed(const AskedPath& asked, const TimedCuts& cuts, double reach_mm,
+             diagnose::LineReading& line) const {
     const auto passing = cuts.passing(line.unit, line.entity, line.p_S_mm, line.normal, reach_mm);
     if (!passing) return;
     line.asked_mm = passing->offset_mm;

@@ -20,8 +20,8 @@ constexpr double kQuick_mm_s2 = 5000.0;
 constexpr double kNearest_mm = 0.03;
 constexpr double kFarthest_mm = 0.6;
 
-/// Instant at which a motion out of rest began, from places along its way: of d = ½ a (t - t0)² the top of the
-/// parabola that fits best.
+/// Instant at which a motion out of rest began, from places along its way: of d = ½ a (t - t0)² the top of
+/// the parabola that fits best.
 std::optional<double> setOff(const std::vector<double>& time_s, const std::vector<double>& way_mm) {
   if (time_s.size() < 6) return std::nullopt;
   Eigen::MatrixX3d columns(static_cast<Eigen::Index>(time_s.size()), 3);
@@ -53,7 +53,8 @@ std::optional<double> restAt(const TimedCuts::Cut& cut, const AskedPath& asked, 
       at_begin ? segment.tangentAt(0.0) : Eigen::Vector2d(-segment.tangentAt(length_mm));
   const double ramp_mm = 0.5 * order.speed_mm_s * order.speed_mm_s / order.acceleration_mm_s2;
   const double farthest_mm = std::min({kFarthest_mm, 0.6 * ramp_mm, 0.3 * length_mm});
-  const double around_s = std::max(kLeastAround_s, 1.5 * std::sqrt(2.0 * farthest_mm / order.acceleration_mm_s2));
+  const double around_s =
+      std::max(kLeastAround_s, 1.5 * std::sqrt(2.0 * farthest_mm / order.acceleration_mm_s2));
   std::vector<double> times_s, way_mm;
   // Begin well inside of the cut and go back to its end, so that what comes before is not taken for it.
   double at_s = edge_s + sense * around_s;
@@ -82,7 +83,7 @@ std::optional<double> restAt(const TimedCuts::Cut& cut, const AskedPath& asked, 
 }
 
 double wayOf(const TimedCuts::Cut& cut) {
-  // Of chords long enough that steps do not lengthen them.
+  // Sum of chords that are long enough not to be lengthened by steps.
   constexpr std::size_t kStride = 8;
   double way_mm = 0.0;
   for (std::size_t i = 0; i + 1 < cut.p_S_mm.size(); i += kStride) {
@@ -95,7 +96,8 @@ double wayOf(const TimedCuts::Cut& cut) {
 }  // namespace
 
 std::vector<diagnose::GateReading> gateReadings(const TimedCuts& cuts, const AskedPath& asked,
-                                                const SheetPath& sheet, const std::vector<inspect::Span>& light,
+                                                const SheetPath& sheet,
+                                                const std::vector<inspect::Span>& light,
                                                 const CutOrder& order) {
   constexpr double kLong_mm = 2.0;
   std::vector<diagnose::GateReading> readings;

@@ -19,7 +19,8 @@ struct CutOrder {
 
 /// Gate and light of each cut against the way that the pulses led the beam over the sheet.
 std::vector<diagnose::GateReading> gateReadings(const TimedCuts& cuts, const AskedPath& asked,
-                                                const SheetPath& sheet, const std::vector<inspect::Span>& light,
+                                                const SheetPath& sheet,
+                                                const std::vector<inspect::Span>& light,
                                                 const CutOrder& order);
 
 }  // namespace kerfbench::judge

@@ -149,7 +149,7 @@ class Look {
   std::vector<report::EvidencePart> pictures_;
 };
 
-/// Of a run that has passed nothing is looked for.
+/// Looks for nothing in a run that has passed.
 void findCauses(const scenario::Case& test_case, const source::PinRecording& recording,
                 const inspect::Evidence& evidence, bool keeps_evidence, Judgement& judgement) {
   const bool passed = judgement.result.verdict == inspect::Verdict::kPass;

@@ -63,10 +63,11 @@ std::string axesCause(const scenario::Case& test_case, const SharedSteps& steps,
   diagnose::AxesFitOptions options;
   options.worth_mm = kWorth * scenario.limits.path_mm;
   options.left_mm = kLeft * scenario.limits.path_mm;
-  // Following the belt, and a path beside the lines, can look like a scale; where the program is known a scale is
-  // found by comparing with it (hil/diagnose/stage_fit.h).
+  // Following the belt, and a path beside the lines, can look like a scale; where the program is known a
+  // scale is found by comparing with it (hil/diagnose/stage_fit.h).
   options.with_scale = scenario.firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench &&
-      !scenario.sheetMoves() && !scenario.belt_by_controller && scenario.job.kerf_radius_mm == 0.0;
+                       !scenario.sheetMoves() && !scenario.belt_by_controller &&
+                       scenario.job.kerf_radius_mm == 0.0;
   const std::optional<diagnose::AxesFit> fit =
       diagnose::fitAxes(path, placeOfSteps(test_case), *test_case.dieline, scenario.print, options);
   return fit ? diagnose::sentenceOf(*fit, namesOf(test_case.machine)) : std::string();

@@ -10,16 +10,16 @@
 
 namespace kerfbench::judge {
 
-/// Why a cut is bad, each in a sentence for people or empty; the first that is found leaves the others empty. By
-/// pins, drawing and failing checks alone.
+/// Why a cut is bad, each in a sentence for people or empty; the first that is found leaves the others empty.
+/// By pins, drawing and failing checks alone.
 struct PlainCauses {
   std::string gate;  ///< The laser's gate is open between the cuts and closed in them.
   /// The head's axes are swapped, run backwards or have another scale: told where the spot was never seen as
   /// well.
   std::string axes;
   /// Corners are burnt, or get too much energy, and the laser keeps its power where the beam is slow; or a
-  /// corner is missed though the pulses lead to it while the laser shines: the axes do not follow what they are
-  /// asked for.
+  /// corner is missed though the pulses lead to it while the laser shines: the axes do not follow what they
+  /// are asked for.
   std::string others;
 };
 

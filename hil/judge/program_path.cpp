@@ -76,8 +76,7 @@ double ProgramPath::offsetAt(int entity, const Eigen::Vector2d& p_S_mm, const Ei
       if (is_named && segment.entity != entity) continue;
       const double length_mm = segment.lengthMm();
       // A chord of 0.05 mm leaves 0.3 um of a circle of 1 mm.
-      const int parts =
-          segment.isArc() ? std::max(1, static_cast<int>(std::ceil(length_mm / kChord_mm))) : 1;
+      const int parts = segment.isArc() ? std::max(1, static_cast<int>(std::ceil(length_mm / kChord_mm))) : 1;
       Eigen::Vector2d before = segment.start_mm;
       for (int i = 1; i <= parts; ++i) {
         const Eigen::Vector2d after = segment.at(length_mm * i / parts);

@@ -30,11 +30,11 @@ class ProgramPath {
   [[nodiscard]] const std::vector<Piece>& pieces() const { return pieces_; }
   [[nodiscard]] bool empty() const { return pieces_.empty(); }
   [[nodiscard]] bool has(int entity) const;
-  [[nodiscard]] bool isNamed() const;  ///< It says which entities it cuts.
+  [[nodiscard]] bool isNamed() const;  ///< True if it says which entities it cuts.
   /// All ways along an entity together.
   [[nodiscard]] double lengthOf(int entity) const;
-  /// Offset of the program of an entity from a place of the drawing along a normal, S; NaN if the normal does not
-  /// meet it within reach_mm.
+  /// Offset of the program of an entity from a place of the drawing along a normal, S; NaN if the normal does
+  /// not meet it within reach_mm.
   [[nodiscard]] double offsetAt(int entity, const Eigen::Vector2d& p_S_mm, const Eigen::Vector2d& normal,
                                 double reach_mm) const;
 
@@ -51,7 +51,7 @@ class Crossing {
   /// A straight piece of the way, in its order. True if it is the nearest crossing so far.
   bool take(const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm);
   [[nodiscard]] double offset_mm() const { return offset_mm_; }  ///< NaN: none.
-  [[nodiscard]] double share() const { return share_; }          ///< Of the piece, where it crosses.
+  [[nodiscard]] double share() const { return share_; }          ///< Share of the piece at which it crosses.
 
  private:
   Eigen::Vector2d p_mm_, normal_;

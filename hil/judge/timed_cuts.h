@@ -14,7 +14,8 @@
 
 namespace kerfbench::judge {
 
-/// Where the pulses led the beam over the sheet while the gate was open, and which piece of the program that was.
+/// Where the pulses led the beam over the sheet while the gate was open, and which piece of the program that
+/// was.
 class TimedCuts {
  public:
   struct Cut {

@@ -45,9 +45,9 @@ std::string diagnosisSection(const RunReport& report) {
     return diagnosis.sentence.empty() ? std::string() : "<p>" + escapeHtml(diagnosis.sentence) + "</p>";
   std::string html = "<table><tr><th>Cause<th>Size<th>Explains<th>Left, RMS</tr>";
   for (const diagnose::Cause& cause : diagnosis.causes) {
-    const std::string size =
-        cause.size.unit.empty() ? std::string("–")
-                                : fmt::format("{:.4g} ± {:.2g} {}", cause.size.value, cause.size.U, cause.size.unit);
+    const std::string size = cause.size.unit.empty() ? std::string("–")
+                                                     : fmt::format("{:.4g} ± {:.2g} {}", cause.size.value,
+                                                                   cause.size.U, cause.size.unit);
     html += fmt::format("<tr><td>{}<td>{}<td>{}<td>{}</tr>", escapeHtml(cause.sentence), escapeHtml(size),
                         std::isfinite(cause.share) ? fmt::format("{:.0f} %", 100.0 * cause.share) : "–",
                         std::isfinite(cause.left_mm) ? fmt::format("{:.3f} mm", cause.left_mm) : "–");

@@ -213,7 +213,9 @@ def backlash(place, f, rng):
 @kind(ON_GANTRY, sized=False)
 def loop_soft(place, f, rng):
     """A job that asks for more acceleration than frame and loops bear: hooks at starts and corners."""
-    return Fault(place.job(keys=f"planner: {{acceleration_mm_s2: {2500 * f:.0f}}}\n"), "loop_soft", None)
+    job = place.job()
+    job.keys = job.keys.replace("acceleration_mm_s2: 500", f"acceleration_mm_s2: {2500 * f:.0f}")
+    return Fault(job, "loop_soft", None)
 
 
 @kind(ON_HEAD)

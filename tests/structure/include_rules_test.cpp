@@ -110,8 +110,8 @@ TEST(IncludeRules, TheHeadsCalibrationHasOpticsOfItsOwn) {
             "");
 }
 
-// What a diagnosis knows comes in one struct, from pictures, pins, words, program and data sheets: a cause that it looked up
-// in the model would be right at all times and worth nothing.
+// What a diagnosis knows comes in one struct, from pictures, pins, words, program and data sheets: a cause
+// that it looked up in the model would be right at all times and worth nothing.
 TEST(IncludeRules, TheDiagnosisKnowsNothingOfTheModel) {
   EXPECT_EQ(offenders([](const Include& i) {
               const bool is_evidence = i.file.starts_with("hil/judge/diagnosis_evidence") ||
@@ -120,7 +120,8 @@ TEST(IncludeRules, TheDiagnosisKnowsNothingOfTheModel) {
                                        i.file.starts_with("hil/judge/gate_readings");
               return (in(i.file, "hil/diagnose") && in(i.target, "twin") && !in(i.target, "twin/base")) ||
                      (in(i.file, "hil/diagnose") && in(i.target, "firmware_under_test")) ||
-                     (is_evidence && (i.target.starts_with("twin/cutter") || i.target == "hil/run/model_machine.h"));
+                     (is_evidence &&
+                      (i.target.starts_with("twin/cutter") || i.target == "hil/run/model_machine.h"));
             }),
             "");
 }

@@ -25,7 +25,7 @@ using testing::IsEmpty;
 /// A cause that moves lines: what it does to the evidence, and the size that must be found.
 struct Seeded {
   const char* key;
-  bool moves;    ///< The sheet does.
+  bool moves;  ///< The sheet does.
   bool gantry;
   std::function<void(SyntheticEvidence&)> put;
   double size;
@@ -37,33 +37,103 @@ SyntheticEvidence::Moves along(std::function<Vector2d(const HeadState&, const Sh
 
 const std::vector<Seeded>& seededCauses() {
   static const std::vector<Seeded> kSeeded{
-      {"program_offset", true, false, [](auto& e) { e.program([](const Vector2d&) { return Vector2d(0.06, -0.03); }); }, 0.0671},
-      {"program_rotation", true, false, [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(-0.0025 * p.y(), 0.0025 * p.x()); }); }, 2.5},
-      {"program_scale", false, false, [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(-0.0024 * p); }); }, -0.24},
-      {"program_scale_x", false, false, [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(0.0024 * p.x(), 0.0); }); }, 0.24},
-      {"program_scale_y", false, false, [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(0.0, 0.004 * p.y()); }); }, 0.4},
-      {"program_shear", false, true, [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(0.004 * p.y(), 0.0); }); }, 4.0},
-      {"step_scale", false, false, [](auto& e) { e.controller(along([](const auto& h, const auto&) { return Vector2d(0.0025 * h.p_mm); })); }, 0.25},
-      {"step_scale_y", false, true, [](auto& e) { e.controller(along([](const auto& h, const auto&) { return Vector2d(0.0, 0.005 * h.p_mm.y()); })); }, 0.5},
-      {"sheet_reference", true, false, [](auto& e) { e.controller(along([](const auto&, const auto&) { return Vector2d(-0.09, 0.0); })); }, -0.09},
-      {"encoder_scale", true, false, [](auto& e) { e.controller(along([](const auto&, const auto& s) { return Vector2d(0.0004 * s.since_mark_mm, 0.0); })); }, 0.04},
-      {"latency", true, true, [](auto& e) { e.controller(along([](const auto&, const auto& s) { return Vector2d(-0.0025 * s.speed_mm_s, 0.0); })); }, 2.5},
-      {"mean_speed", true, false, [](auto& e) { e.controller(along([](const auto&, const auto& s) { return Vector2d(-s.off_plan_mm, 0.0); })); }, 100.0},
-      {"belt_ignored", true, false, [](auto& e) { e.controller(along([](const auto&, const auto& s) { return Vector2d(150.0 - s.since_mark_mm, 0.0); })); }, 100.0},
+      {"program_offset", true, false,
+       [](auto& e) { e.program([](const Vector2d&) { return Vector2d(0.06, -0.03); }); }, 0.0671},
+      {"program_rotation", true, false,
+       [](auto& e) {
+         e.program([](const Vector2d& p) { return Vector2d(-0.0025 * p.y(), 0.0025 * p.x()); });
+       },
+       2.5},
+      {"program_scale", false, false,
+       [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(-0.0024 * p); }); }, -0.24},
+      {"program_scale_x", false, false,
+       [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(0.0024 * p.x(), 0.0); }); }, 0.24},
+      {"program_scale_y", false, false,
+       [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(0.0, 0.004 * p.y()); }); }, 0.4},
+      {"program_shear", false, true,
+       [](auto& e) { e.program([](const Vector2d& p) { return Vector2d(0.004 * p.y(), 0.0); }); }, 4.0},
+      {"step_scale", false, false,
+       [](auto& e) {
+         e.controller(along([](const auto& h, const auto&) { return Vector2d(0.0025 * h.p_mm); }));
+       },
+       0.25},
+      {"step_scale_y", false, true,
+       [](auto& e) {
+         e.controller(along([](const auto& h, const auto&) { return Vector2d(0.0, 0.005 * h.p_mm.y()); }));
+       },
+       0.5},
+      {"sheet_reference", true, false,
+       [](auto& e) { e.controller(along([](const auto&, const auto&) { return Vector2d(-0.09, 0.0); })); },
+       -0.09},
+      {"encoder_scale", true, false,
+       [](auto& e) {
+         e.controller(
+             along([](const auto&, const auto& s) { return Vector2d(0.0004 * s.since_mark_mm, 0.0); }));
+       },
+       0.04},
+      {"latency", true, true,
+       [](auto& e) {
+         e.controller(
+             along([](const auto&, const auto& s) { return Vector2d(-0.0025 * s.speed_mm_s, 0.0); }));
+       },
+       2.5},
+      {"mean_speed", true, false,
+       [](auto& e) {
+         e.controller(along([](const auto&, const auto& s) { return Vector2d(-s.off_plan_mm, 0.0); }));
+       },
+       100.0},
+      {"belt_ignored", true, false,
+       [](auto& e) {
+         e.controller(
+             along([](const auto&, const auto& s) { return Vector2d(150.0 - s.since_mark_mm, 0.0); }));
+       },
+       100.0},
       {"pincushion_missing", false, false,
        [](auto& e) {
          const MachineFacts machine = e.evidence().machine;
-         e.controller(along([machine](const auto& h, const auto&) { return withoutPincushion_mm(machine, h.p_mm); }));
+         e.controller(
+             along([machine](const auto& h, const auto&) { return withoutPincushion_mm(machine, h.p_mm); }));
        },
        100.0},
-      {"head_offset", false, false, [](auto& e) { e.machine(along([](const auto&, const auto&) { return Vector2d(0.03, 0.12); })); }, 0.1237},
-      {"head_rotation", false, false, [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(-0.003 * h.p_mm.y(), 0.003 * h.p_mm.x()); })); }, 3.0},
-      {"head_scale", false, false, [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(0.003 * h.p_mm); })); }, 0.3},
-      {"head_shear", false, true, [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(-0.004 * h.p_mm.y(), 0.0); })); }, 4.0},
-      {"axes_lag", true, false, [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(-0.0015 * h.v_mm_s); })); }, 1.5},
-      {"backlash_x", false, true, [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(-0.06 * h.flank.x(), 0.0); })); }, 0.12},
-      {"pulses_lost", false, false, [](auto& e) { e.controller(along([](const auto& h, const auto&) { return Vector2d(0.0, h.time_s > 5.3 ? 0.1 : 0.0); })); }, 8.0},
-      {"axis_slipped", false, true, [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(h.time_s > 5.3 ? 0.1 : 0.0, 0.0); })); }, 0.1},
+      {"head_offset", false, false,
+       [](auto& e) { e.machine(along([](const auto&, const auto&) { return Vector2d(0.03, 0.12); })); },
+       0.1237},
+      {"head_rotation", false, false,
+       [](auto& e) {
+         e.machine(along(
+             [](const auto& h, const auto&) { return Vector2d(-0.003 * h.p_mm.y(), 0.003 * h.p_mm.x()); }));
+       },
+       3.0},
+      {"head_scale", false, false,
+       [](auto& e) { e.machine(along([](const auto& h, const auto&) { return Vector2d(0.003 * h.p_mm); })); },
+       0.3},
+      {"head_shear", false, true,
+       [](auto& e) {
+         e.machine(along([](const auto& h, const auto&) { return Vector2d(-0.004 * h.p_mm.y(), 0.0); }));
+       },
+       4.0},
+      {"axes_lag", true, false,
+       [](auto& e) {
+         e.machine(along([](const auto& h, const auto&) { return Vector2d(-0.0015 * h.v_mm_s); }));
+       },
+       1.5},
+      {"backlash_x", false, true,
+       [](auto& e) {
+         e.machine(along([](const auto& h, const auto&) { return Vector2d(-0.06 * h.flank.x(), 0.0); }));
+       },
+       0.12},
+      {"pulses_lost", false, false,
+       [](auto& e) {
+         e.controller(
+             along([](const auto& h, const auto&) { return Vector2d(0.0, h.time_s > 5.3 ? 0.1 : 0.0); }));
+       },
+       8.0},
+      {"axis_slipped", false, true,
+       [](auto& e) {
+         e.machine(
+             along([](const auto& h, const auto&) { return Vector2d(h.time_s > 5.3 ? 0.1 : 0.0, 0.0); }));
+       },
+       0.1},
   };
   return kSeeded;
 }
@@ -98,14 +168,17 @@ TEST(Diagnosis, SaysNothingOfARunThatHasPassed) {
 
 TEST(Diagnosis, InventsNothingWhereAMachineKeepsItsTolerances) {
   SyntheticEvidence made;
-  made.machine(along([](const auto& h, const auto&) { return Vector2d(0.012 - 3e-5 * h.p_mm.y(), -0.01 + 3e-5 * h.p_mm.x()); }));
+  made.machine(along([](const auto& h, const auto&) {
+    return Vector2d(0.012 - 3e-5 * h.p_mm.y(), -0.01 + 3e-5 * h.p_mm.x());
+  }));
   EXPECT_TRUE(diagnose(made.evidence()).causes.empty());
 }
 
 TEST(Diagnosis, SaysWhereADeviationArisesThatNoCauseExplains) {
   SyntheticEvidence made(false);
   // A wave along x that no machine makes.
-  made.machine(along([](const auto& h, const auto&) { return Vector2d(0.0, 0.06 * std::sin(2.0 * h.p_mm.x())); }));
+  made.machine(
+      along([](const auto& h, const auto&) { return Vector2d(0.0, 0.06 * std::sin(2.0 * h.p_mm.x())); }));
   const Diagnosis diagnosis = diagnose(made.evidence());
   EXPECT_TRUE(diagnosis.causes.empty()) << diagnosis.sentence;
   EXPECT_THAT(diagnosis.sentence, HasSubstr("None of the known causes explains this"));
@@ -169,7 +242,8 @@ TEST(Diagnosis, CountsPulsesThatTheControllerBelievesToHaveMade) {
 TEST(Diagnosis, TellsALateGateAndAnEarlyOne) {
   for (const double late_s : {1.2e-3, -1.2e-3}) {
     SyntheticEvidence made(false);
-    for (int i = 0; i < 8; ++i) made.evidence().gates.push_back({0, i, late_s + (i % 3 - 1) * 1e-4, 1e-5, 1.0});
+    for (int i = 0; i < 8; ++i)
+      made.evidence().gates.push_back({0, i, late_s + (i % 3 - 1) * 1e-4, 1e-5, 1.0});
     const Diagnosis diagnosis = diagnose(made.evidence());
     ASSERT_EQ(diagnosis.causes.size(), 1U);
     EXPECT_EQ(diagnosis.causes[0].key, late_s > 0.0 ? "gate_late" : "gate_early");
@@ -194,7 +268,8 @@ TEST(Diagnosis, TellsWhoLeftAnEntityOut) {
     const Diagnosis diagnosis = diagnose(made.evidence());
     ASSERT_EQ(diagnosis.causes.size(), 1U);
     EXPECT_EQ(diagnosis.causes[0].key, "entity_missing");
-    EXPECT_THAT(diagnosis.causes[0].sentence, HasSubstr(in_program ? "the release left it out" : "the planner left it out"));
+    EXPECT_THAT(diagnosis.causes[0].sentence,
+                HasSubstr(in_program ? "the release left it out" : "the planner left it out"));
   }
 }
 
@@ -204,7 +279,8 @@ TEST(Diagnosis, TellsACompensationOfTheKerf) {
     double program_mm, cut_mm;
   };
   for (const auto& [key, program_mm, cut_mm] :
-       {Kerf{"kerf_uncompensated", 0.0, 0.05}, Kerf{"kerf_wrong_side", -0.05, -0.1}, Kerf{"kerf_radius", 0.11, 0.06}}) {
+       {Kerf{"kerf_uncompensated", 0.0, 0.05}, Kerf{"kerf_wrong_side", -0.05, -0.1},
+        Kerf{"kerf_radius", 0.11, 0.06}}) {
     SyntheticEvidence made(false);
     made.evidence().edges_judged = true;
     made.evidence().kerf_radius_mm = 0.05;

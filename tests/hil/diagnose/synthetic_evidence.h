@@ -9,8 +9,8 @@
 
 namespace kerfbench::test {
 
-/// Evidence of a run without a fault: a frame of 50 mm x 30 mm with a line askew and a circle, cut on two units of a
-/// web whose speed changes, or at rest. Noise by a seed.
+/// Evidence of a run without a fault: a frame of 50 mm x 30 mm with a line askew and a circle, cut on two
+/// units of a web whose speed changes, or at rest. Noise by a seed.
 class SyntheticEvidence {
  public:
   using Moves = std::function<Eigen::Vector2d(const diagnose::HeadState&, const diagnose::SheetState&)>;
