@@ -252,6 +252,7 @@ void ofWords(const Evidence& evidence, std::vector<Cause>& causes) {
             100.0 * evidence.belt_followed)));
   add("gate_inverted", evidence.gate_polarity);
   add("axes", evidence.axes);
+  add("others", evidence.others);
   if (!evidence.stop.empty()) add("stopped", "The controller stopped by itself: " + evidence.stop + ".");
   if (evidence.encoder_backwards || (evidence.belt && evidence.belt->ratio < 0.0))
     add("encoder_reversed",
@@ -268,13 +269,6 @@ std::vector<Cause> directCauses(const Evidence& evidence) {
   ofEntities(evidence, causes);
   ofKerf(evidence, causes);
   if (evidence.gate_polarity.empty() && evidence.axes.empty()) ofGates(evidence, causes);
-  if (!evidence.others.empty()) {
-    Cause other;
-    other.key = "others";
-    other.direct = true;
-    other.sentence = evidence.others;
-    causes.push_back(other);
-  }
   return causes;
 }
 

@@ -159,7 +159,7 @@ def parsed():
     parser.add_argument("--shard", default="1/1", metavar="I/N", help="every N-th run, from the I-th")
     parser.add_argument("--records", metavar="FILE", help="appends a line of JSON for each run; runs that it has are not repeated")
     parser.add_argument("--keep", metavar="FOLDER", help="keeps the evidence of each run there")
-    parser.add_argument("--again", action="store_true", help="diagnoses the evidence in --keep of the runs in --records again")
+    parser.add_argument("--again", action="store_true", help="diagnoses the evidence in --keep of the runs in --records or --merge again")
     parser.add_argument("--merge", nargs="+", metavar="FILE", help="makes the page of these records, and runs nothing")
     parser.add_argument("--jobs", type=int, default=2, help="runs at once")
     try:
@@ -215,19 +215,19 @@ def main():
     try:
         if args.keep:
             os.makedirs(args.keep, exist_ok=True)
-        if args.merge:
-            records = lines_of(args.merge)
-        elif args.again:
-            records = again(os.path.join(args.build, "bin", "kerfbench"), lines_of([args.records]), args.keep)
-        else:
+        if not args.merge and not args.again:
             records = run(args, chosen(args))
+        else:
+            records = lines_of(args.merge or [args.records])
+        if args.again:
+            records = again(os.path.join(args.build, "bin", "kerfbench"), records, args.keep)
     except (limits.Broken, OSError, subprocess.CalledProcessError) as error:
         print(f"diagnoses: {error}", file=sys.stderr)
         sys.exit(2)
     print(page.summary_of(records))
     if args.quick:
         sys.exit(0 if all(page.is_right(r) for r in records) else 1)
-    if not args.only and (args.merge or args.shard == "1/1") and not args.again:
+    if not args.only and (args.merge or args.shard == "1/1"):
         stamp.write(os.path.join(ROOT, "docs", "explanation", "diagnosis.md"), page.page_of(records, made_with))
 
 
