@@ -106,8 +106,6 @@ const std::vector<std::string>& causeKeys() {
                                               "encoder_scale",
                                               "entity_missing",
                                               "entity_twice",
-                                              "gate_closes_early",
-                                              "gate_closes_late",
                                               "gate_early",
                                               "gate_inverted",
                                               "gate_late",

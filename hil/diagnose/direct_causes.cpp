@@ -96,10 +96,9 @@ void ofDrives(const Evidence& evidence, std::vector<Cause>& causes) {
 }
 
 void ofGates(const Evidence& evidence, std::vector<Cause>& causes) {
-  std::vector<double> open, close, energy;
+  std::vector<double> open, energy;
   for (const GateReading& gate : evidence.gates) {
     open.push_back(gate.open_late_s);
-    close.push_back(gate.close_late_s);
     energy.push_back(gate.energy_share);
   }
   constexpr double kLeastU_ms = 0.06;
@@ -113,15 +112,6 @@ void ofGates(const Evidence& evidence, std::vector<Cause>& causes) {
         fmt::format("The laser's gate opens {} ms {}, behind the pulses and the delay of the axes; {}.",
                     withU(ms, U_ms), late ? "late" : "early",
                     late ? "begins of lines stay uncut" : "begins of lines are burnt while the beam rests")));
-  }
-  const Middle closes = middleOf(close);
-  if (closes.count >= kFewestGates && std::abs(closes.value) > std::max(kGateWorth_s, 2.0 * closes.U)) {
-    const bool late = closes.value > 0.0;
-    const double ms = 1e3 * std::abs(closes.value);
-    const double U_ms = std::max(kLeastU_ms, 1e3 * closes.U);
-    causes.push_back(
-        direct(late ? "gate_closes_late" : "gate_closes_early", {ms, U_ms, "ms"},
-               fmt::format("The laser's gate closes {} ms {}.", withU(ms, U_ms), late ? "late" : "early")));
   }
   // Where the sheet is not followed the way on it is not the ordered one.
   if (evidence.belt_followed < kIgnored) return;
