@@ -8,7 +8,7 @@
 namespace kerfbench::judge {
 namespace {
 
-constexpr double kPitch_s = 5e-4;
+constexpr double kCutPitch_s = 5e-4;
 
 }  // namespace
 
@@ -41,7 +41,7 @@ TimedCuts::TimedCuts(const AskedPath& asked, const SheetPath& sheet, const Progr
 }
 
 void TimedCuts::sample(const AskedPath& asked, const SheetPath& sheet, Cut& cut) const {
-  for (double time_s = cut.on_s; time_s <= cut.off_s; time_s += kPitch_s) {
+  for (double time_s = cut.on_s; time_s <= cut.off_s; time_s += kCutPitch_s) {
     const diagnose::HeadState head = asked.at(time_s);
     if (!head.known()) continue;
     cut.time_s.push_back(time_s);

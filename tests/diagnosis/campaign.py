@@ -106,7 +106,7 @@ class Bench:
                                "--seed", str(seed), "--keep-evidence", "--results-dir", folder], capture_output=True, text=True)
         if done.returncode not in (0, 1, 3, 4):
             raise limits.Broken(f"{name}: exit code {done.returncode}\n{done.stdout[-1500:]}{done.stderr[-1500:]}")
-        return os.path.join(folder, name)
+        return os.path.join(folder, name, "latest")
 
     def recorded(self, job, seed):
         """Pins of the job before its edit."""
