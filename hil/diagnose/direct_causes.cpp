@@ -256,9 +256,12 @@ std::vector<Cause> directCauses(const Evidence& evidence) {
   std::vector<Cause> causes;
   ofWords(evidence, causes);
   ofDrives(evidence, causes);
-  ofEntities(evidence, causes);
   ofKerf(evidence, causes);
-  if (evidence.gate_polarity.empty() && evidence.axes.empty()) ofGates(evidence, causes);
+  // Axes or a gate that are wrong by far cut elsewhere or all the time: what else is amiss follows from that.
+  if (evidence.gate_polarity.empty() && evidence.axes.empty()) {
+    ofEntities(evidence, causes);
+    ofGates(evidence, causes);
+  }
   return causes;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware_under_test/planner/head/correction.h"
+#include "firmware_under_test/planner/job/job.h"
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/verdict/controller_end.h"
 #include "hil/judge/asked_path.h"
@@ -308,9 +309,15 @@ class EvidenceMaker {
     }
   }
 
-  /// The program of one unit that the release was sent; planned again, which gives the same.
+  /// The program of one unit that the release was sent; planned again, which gives the same. Empty where a
+  /// recording is judged by a drawing that cannot be planned: it was sent another one.
   const std::string& gcode() {
-    if (!gcode_) gcode_ = run::prepareJob(case_).gcode;
+    if (gcode_) return *gcode_;
+    try {
+      gcode_ = run::prepareJob(case_).gcode;
+    } catch (const planner::PlanError&) {
+      gcode_ = "";
+    }
     return *gcode_;
   }
 

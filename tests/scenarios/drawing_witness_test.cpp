@@ -125,7 +125,8 @@ TEST_F(WitnessDemanded, AgreementChangesNoResult) {
   EXPECT_EQ(demanded.at("digest"), plain.at("digest"));
   EXPECT_THAT(demanded.at("versions").at("drawing").get<std::string>(), HasSubstr("agrees on 1 layer"));
   EXPECT_FALSE(plain.at("versions").contains("drawing"));
-  EXPECT_THAT(textOf(scratch_.path() / "demanding/report.html"), HasSubstr("agrees on 1 layer, 210.558 mm"));
+  EXPECT_THAT(textOf(scratch_.path() / "demanding/latest/report.html"),
+              HasSubstr("agrees on 1 layer, 210.558 mm"));
 }
 
 /// A reading that parts is evidence that cannot be trusted: INVALID, and nothing runs.
@@ -139,8 +140,10 @@ TEST_F(WitnessDemanded, PartingReadersAreInvalidBeforeAnythingRuns) {
   EXPECT_EQ(verdict.at("verdict"), "INVALID");
   EXPECT_THAT(verdict.at("problems").dump(), HasSubstr("nothing says which is right"));
   EXPECT_FALSE(fs::exists(scratch_.path() / "demanding/pins.vcd"));
-  EXPECT_THAT(textOf(scratch_.path() / "demanding/report.html"), HasSubstr("nothing says which is right"));
-  EXPECT_THAT(textOf(scratch_.path() / "demanding/junit.xml"), HasSubstr("nothing says which is right"));
+  EXPECT_THAT(textOf(scratch_.path() / "demanding/latest/report.html"),
+              HasSubstr("nothing says which is right"));
+  EXPECT_THAT(textOf(scratch_.path() / "demanding/latest/junit.xml"),
+              HasSubstr("nothing says which is right"));
 }
 
 TEST_F(WitnessDemanded, AWitnessThatLiesOrBreaksStopsTheRun) {

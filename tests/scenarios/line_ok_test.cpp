@@ -96,7 +96,7 @@ TEST_F(LineOkFirmware, AxesThatAreWiredWronglyAreNamedFirst) {
         << keys << '\n';
     const auto result = run("machine: wired.yaml\n", "--twin fast");
     EXPECT_EQ(result.exit_code, 1) << result.output;
-    EXPECT_THAT(result.output, testing::ContainsRegex("line by line\n  " + sentence)) << keys;
+    EXPECT_THAT(result.output, testing::ContainsRegex("line by line\n  Likely cause: " + sentence)) << keys;
     EXPECT_THAT(verdict().at("summary").get<std::string>(), testing::StartsWith(sentence));
     EXPECT_THAT(verdict().at("likely_cause").get<std::string>(), testing::StartsWith(sentence));
   }
