@@ -46,7 +46,8 @@ std::string digestIn(const fs::path& folder) {
   const auto json =
       nlohmann::json::parse(std::string{std::istreambuf_iterator<char>(file), {}}, nullptr, false);
   const auto digest = json.is_object() ? json.find("digest") : json.end();
-  return json.is_object() && digest != json.end() && digest->is_string() ? digest->get<std::string>() : std::string();
+  return json.is_object() && digest != json.end() && digest->is_string() ? digest->get<std::string>()
+                                                                         : std::string();
 }
 
 /// When a file was written, on the system's clock.

@@ -76,7 +76,8 @@ TEST_F(EndToEnd, AKnownBadReleaseOnTheKernelsPinsFailsForItsFault) {
 TEST_F(EndToEnd, AReplayOfARunInTheGuestHasItsDigest) {
   const nlohmann::json live = test::verdictOf(kShared / "plate-camera-part");
   EXPECT_EQ(live.at("verdict"), "PASS");
-  const test::ProgramRun done = replay("plate-camera-part/latest/pins.vcd", "live", kRuns / "plate-camera.yaml");
+  const test::ProgramRun done =
+      replay("plate-camera-part/latest/pins.vcd", "live", kRuns / "plate-camera.yaml");
   EXPECT_EQ(done.exit_code, 0) << done.output;
   EXPECT_EQ(test::verdictOf(kRuns / "live" / "plate-camera-part-replay").at("digest"), live.at("digest"));
 }

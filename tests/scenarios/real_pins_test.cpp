@@ -143,7 +143,8 @@ TEST_F(PinsToVerdict, AGoodReleasePassesAndItsCaptureReplayedHasTheSameDigest) {
   EXPECT_EQ(captureOnPins(pins(good_->kernel()), captureOptions(*good_)), 0);
   EXPECT_EQ(replay(*good_), 0);
   EXPECT_EQ(verdict("good-pins-replay").at("digest"), live.at("digest"));
-  EXPECT_TRUE(same(results_.path() / "heard" / "pins.vcd", results_.path() / "good-pins" / "latest" / "pins.vcd"));
+  EXPECT_TRUE(
+      same(results_.path() / "heard" / "pins.vcd", results_.path() / "good-pins" / "latest" / "pins.vcd"));
 }
 
 TEST_F(PinsToVerdict, ABadReleaseFails) {
@@ -236,8 +237,8 @@ TEST_F(PinsToVerdict, AnEdgeThatIsMissingMakesRunAndCaptureAndReplayInvalid) {
   EXPECT_EQ(replayed.at("problems"), live.at("problems"));
   EXPECT_EQ(replayed.at("digest"), live.at("digest"));
   // The recording of the replay cannot make it clean either.
-  EXPECT_TRUE(
-      same(results_.path() / "good-pins-replay" / "latest" / "pins.vcd", results_.path() / "good-pins" / "latest" / "pins.vcd"));
+  EXPECT_TRUE(same(results_.path() / "good-pins-replay" / "latest" / "pins.vcd",
+                   results_.path() / "good-pins" / "latest" / "pins.vcd"));
 }
 
 TEST_F(PinsToVerdict, ACaptureHoldsTheRecordingAndItsScenarioAndNoMore) {

@@ -64,7 +64,8 @@ Twice runAndReplay(const std::string& file, const std::string& name, const Scrat
   const std::string scenario = fixture("scenarios/" + file).string();
   const std::string options =
       fmt::format("--twin fast -q --no-pictures --results-dir '{}'", scratch.path().string());
-  Twice twice{.live = scratch.path() / name / "latest", .replayed = scratch.path() / (name + "-replay") / "latest"};
+  Twice twice{.live = scratch.path() / name / "latest",
+              .replayed = scratch.path() / (name + "-replay") / "latest"};
   const auto run = kerfbench(fmt::format("run '{}' {}", scenario, options));
   const auto replay = kerfbench(
       fmt::format("replay '{}' --scenario '{}' {}", (twice.live / "pins.vcd").string(), scenario, options));

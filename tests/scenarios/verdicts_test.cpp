@@ -191,8 +191,8 @@ TEST(GoodRelease, ALaserThatListensToLowLevelsIsJudgedByThem) {
   EXPECT_EQ(verdictOf(scratch.path() / "low-replay").at("checks"),
             verdictOf(scratch.path() / "high").at("checks"));
 
-  const ProgramRun wrong =
-      fastReplayOf(scratch.path() / "high/latest/pins.vcd", scenario("wrong", "machine: machine.yaml\n"), scratch);
+  const ProgramRun wrong = fastReplayOf(scratch.path() / "high/latest/pins.vcd",
+                                        scenario("wrong", "machine: machine.yaml\n"), scratch);
   EXPECT_EQ(wrong.exit_code, 1) << wrong.output;
   EXPECT_THAT(verdictOf(scratch.path() / "wrong-replay").at("likely_cause").get<std::string>(),
               testing::StartsWith("The laser's gate is open between the cuts and closed in them: invert the "

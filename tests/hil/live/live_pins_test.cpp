@@ -126,7 +126,9 @@ TEST_F(LivePinsTest, AGoodReleaseBehindASlowAdapterPasses) {
   EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
   // The declaration of a quicker line is accepted.
   write("  uart_delay_ms: 0\n");
-  EXPECT_EQ(app::replayCommand({options.results_dir / "on-pins" / "latest" / "pins.vcd", scenario, {}, {}}, options), 1);
+  EXPECT_EQ(app::replayCommand({options.results_dir / "on-pins" / "latest" / "pins.vcd", scenario, {}, {}},
+                               options),
+            1);
 }
 
 /// Runs that cannot end well: the evidence is INVALID and states why, and a replay of it is INVALID as well.
