@@ -44,14 +44,13 @@ Say angleSaid(const char* what) {
   };
 }
 
-Advise advice(std::string text) {
-  return [text](const Sizes&) { return text; };
+Advise advice(const char* text) {
+  return [text](const Sizes&) { return std::string(text); };
 }
 
-KnownCause linear(std::string key, std::string signature, double factor, std::string unit, Say what,
-                  Advise then) {
-  return {std::move(key),  {key, {signature}}, {signature},    factor,
-          std::move(unit), std::move(what),    std::move(then)};
+KnownCause linear(const std::string& key, const std::string& signature, double factor,
+                  const std::string& unit, Say what, Advise then) {
+  return {key, {key, {signature}}, {signature}, factor, unit, std::move(what), std::move(then)};
 }
 
 void ofProgram(std::vector<KnownCause>& list) {
@@ -222,7 +221,10 @@ void ofHead(const Evidence& evidence, std::vector<KnownCause>& list) {
         return fmt::format("The axes are not square by {} mrad", withU(std::abs(s[0]), U));
       },
       advice("check the squareness of the axes")));
-  if (!evidence.machine.has_table) return;
+}
+
+/// The correction table of a head that has one.
+void ofTable(std::vector<KnownCause>& list) {
   list.push_back({"table_sign",
                   {"table_sign", {}, {{"head_table", 2.0}}},
                   {"head_table"},
@@ -300,6 +302,7 @@ std::vector<KnownCause> knownCauses(const Evidence& evidence) {
   ofSteps(evidence, list);
   if (evidence.sheet_moves) ofBelt(evidence, list);
   ofHead(evidence, list);
+  if (evidence.machine.has_table) ofTable(list);
   ofDrives(evidence, list);
   return list;
 }

@@ -53,7 +53,7 @@ void addLine(const LineReading& line, double curvature, std::vector<Row>& rows) 
 /// Signatures of a displacement of the whole sheet, about the drawing's middle.
 void ofProgram(const Evidence& evidence, std::vector<Signature>& list) {
   const Vector2d c = evidence.drawing_centre_mm;
-  const auto add = [&](const char* key, std::function<Vector2d(const Vector2d&)> at) {
+  const auto add = [&](const char* key, const std::function<Vector2d(const Vector2d&)>& at) {
     list.push_back({key, Stage::kProgram, 0.0, [at, c](const Row& row) { return at(row.p_S_mm - c); }});
   };
   add("program_x", [](const Vector2d&) { return Vector2d(1.0, 0.0); });
@@ -160,8 +160,12 @@ std::vector<Row> rowsOf(const Evidence& evidence) {
   const LineReading* before = nullptr;
   for (const LineReading& line : evidence.lines) {
     const bool goes_on = before != nullptr && before->unit == line.unit && before->entity == line.entity;
-    const double way_mm = goes_on ? (line.p_S_mm - before->p_S_mm).norm() : 0.0;
-    addLine(line, way_mm > 0.0 ? (line.normal - before->normal).norm() / way_mm : 0.0, rows);
+    double bend_per_mm = 0.0;
+    if (goes_on) {
+      const double way_mm = (line.p_S_mm - before->p_S_mm).norm();
+      if (way_mm > 0.0) bend_per_mm = (line.normal - before->normal).norm() / way_mm;
+    }
+    addLine(line, bend_per_mm, rows);
     before = &line;
   }
   for (const SpotReading& spot : evidence.spots) {
