@@ -139,7 +139,7 @@ TEST_F(WitnessDemanded, PartingReadersAreInvalidBeforeAnythingRuns) {
   const auto verdict = verdictOf(scratch_.path() / "demanding");
   EXPECT_EQ(verdict.at("verdict"), "INVALID");
   EXPECT_THAT(verdict.at("problems").dump(), HasSubstr("nothing says which is right"));
-  EXPECT_FALSE(fs::exists(scratch_.path() / "demanding/pins.vcd"));
+  EXPECT_FALSE(fs::exists(scratch_.path() / "demanding/latest/pins.vcd"));
   EXPECT_THAT(textOf(scratch_.path() / "demanding/latest/report.html"),
               HasSubstr("nothing says which is right"));
   EXPECT_THAT(textOf(scratch_.path() / "demanding/latest/junit.xml"),
