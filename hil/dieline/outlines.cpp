@@ -2,7 +2,11 @@
 #include "hil/dieline/outlines.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <utility>
+
+#include "hil/dieline/lint_tree.h"
 
 namespace kerfbench::dieline {
 namespace {
@@ -22,22 +26,37 @@ const Curve& curveOf(const Dieline& dieline, int id) {
   return dieline.entities[static_cast<std::size_t>(id)].curve;
 }
 
+/// Column of an end: ends that meet lie in one, or in neighbours.
+double columnOf(const CurveEnd& end) { return std::floor(end.p_mm.x() / kEndsMeet_mm); }
+
 void meet(std::vector<CurveEnd>& ends) {
   std::vector<std::size_t> order(ends.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return ends[a].p_mm.x() < ends[b].p_mm.x(); });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(columnOf(ends[a]), ends[a].p_mm.y()) < std::pair(columnOf(ends[b]), ends[b].p_mm.y());
+  });
+  const auto tryPair = [&](std::size_t i, std::size_t j) {
+    CurveEnd& a = ends[order[i]];
+    CurveEnd& b = ends[order[j]];
+    if ((b.p_mm - a.p_mm).norm() > kEndsMeet_mm) return;
+    a.partner = order[j];
+    b.partner = order[i];
+    ++a.partners;
+    ++b.partners;
+  };
+  std::size_t next = 0;  // The first end of the next column, or behind, that is not too low for this one.
   for (std::size_t i = 0; i < order.size(); ++i) {
-    for (std::size_t j = i + 1; j < order.size(); ++j) {
-      CurveEnd& a = ends[order[i]];
-      CurveEnd& b = ends[order[j]];
-      if (b.p_mm.x() - a.p_mm.x() > kEndsMeet_mm) break;
-      if ((b.p_mm - a.p_mm).norm() > kEndsMeet_mm) continue;
-      a.partner = order[j];
-      b.partner = order[i];
-      ++a.partners;
-      ++b.partners;
-    }
+    const CurveEnd& self = ends[order[i]];
+    const double column = columnOf(self);
+    const auto isIn = [&](std::size_t j, double wanted) {
+      return j < order.size() && columnOf(ends[order[j]]) == wanted;
+    };
+    const auto dy_mm = [&](std::size_t j) { return ends[order[j]].p_mm.y() - self.p_mm.y(); };
+    for (std::size_t j = i + 1; isIn(j, column) && dy_mm(j) <= kEndsMeet_mm; ++j) tryPair(i, j);
+    while (next < order.size() && (columnOf(ends[order[next]]) <= column ||
+                                   (isIn(next, column + 1.0) && dy_mm(next) < -kEndsMeet_mm)))
+      ++next;
+    for (std::size_t j = next; isIn(j, column + 1.0) && dy_mm(j) <= kEndsMeet_mm; ++j) tryPair(i, j);
   }
 }
 
@@ -125,15 +144,29 @@ bool contains(const std::vector<Eigen::Vector2d>& polygon_mm, const Eigen::Vecto
   return inside;
 }
 
-int nestingOf(const Outlines& outlines, std::size_t which) {
-  const std::vector<Eigen::Vector2d>& polygon_mm = outlines.closed[which].polygon_mm;
-  const Eigen::Vector2d p_mm = polygon_mm[polygon_mm.size() / 3];
-  int nesting = 0;
-  for (std::size_t other = 0; other < outlines.closed.size(); ++other) {
-    const Outline& outline = outlines.closed[other];
-    if (other != which && outline.box_mm.contains(p_mm) && contains(outline.polygon_mm, p_mm)) ++nesting;
+std::vector<int> nestingsOf(const Outlines& outlines) {
+  std::vector<LintTree::Leaf> boxes;
+  for (std::uint32_t i = 0; i < outlines.closed.size(); ++i) {
+    const Eigen::AlignedBox2d& box = outlines.closed[i].box_mm;
+    boxes.push_back({{box.min().x(), box.min().y(), box.max().x(), box.max().y()}, i});
   }
-  return nesting;
+  const LintTree tree(std::move(boxes));
+  std::vector<int> nestings(outlines.closed.size());
+  for (std::size_t i = 0; i < nestings.size(); ++i) {
+    const std::vector<Eigen::Vector2d>& polygon_mm = outlines.closed[i].polygon_mm;
+    const Eigen::Vector2d p_mm = polygon_mm[polygon_mm.size() / 3];
+    const auto mayContain = [&](const LintSpan& span) {
+      return p_mm.x() >= span.low[0] && p_mm.y() >= span.low[1] && p_mm.x() <= span.high[2] &&
+             p_mm.y() <= span.high[3];
+    };
+    tree.any(mayContain, [&](const LintTree::Leaf& leaf) {
+      if (leaf.item != i && mayContain({leaf.place, leaf.place}) &&
+          contains(outlines.closed[leaf.item].polygon_mm, p_mm))
+        ++nestings[i];
+      return false;
+    });
+  }
+  return nestings;
 }
 
 }  // namespace kerfbench::dieline

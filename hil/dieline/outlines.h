@@ -47,8 +47,8 @@ Outlines outlinesOf(const Dieline& dieline, Process process);
 
 /// True where p_mm is inside of a closed polygon (even-odd).
 bool contains(const std::vector<Eigen::Vector2d>& polygon_mm, const Eigen::Vector2d& p_mm);
-/// Number of the other closed outlines around the one with the index `which`: 0 for an outer edge, odd for a
-/// hole, even for a piece within a hole.
-int nestingOf(const Outlines& outlines, std::size_t which);
+/// For each closed outline the number of others around it: 0 for an outer edge, odd for a hole, even for a
+/// piece within a hole.
+std::vector<int> nestingsOf(const Outlines& outlines);
 
 }  // namespace kerfbench::dieline

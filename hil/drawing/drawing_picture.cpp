@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,7 @@
 
 #include "hil/base/chart.h"
 #include "hil/base/text.h"
+#include "hil/dieline/curve_math.h"
 #include "hil/dieline/outlines.h"
 #include "hil/drawing/canvas.h"
 
@@ -112,9 +114,12 @@ class Sheet {
       : dieline_(dieline), content_(content), findings_(content.findings) {
     if (content.width_px < 400 || content.width_px > 8192)
       throw std::invalid_argument("the width of a picture is 400 to 8192 px");
-    for (const dieline::Entity& entity : dieline.entities)
-      for (const double u : stationsOf(entity.curve)) box_.extend(dieline::pointAt(entity.curve, u));
-    if (box_.isEmpty() || !box_.sizes().allFinite())
+    bool is_finite = true;
+    for (const dieline::Entity& entity : dieline.entities) {
+      is_finite = is_finite && std::isfinite(dieline::lengthOf(entity.curve));
+      box_.extend(dieline::boundsOf(entity.curve));
+    }
+    if (box_.isEmpty() || !is_finite || !box_.sizes().allFinite())
       throw std::invalid_argument("there is no line in this drawing");
     const double least = std::max(1.0, 0.02 * box_.sizes().maxCoeff());
     for (int axis = 0; axis < 2; ++axis) {
@@ -156,9 +161,13 @@ class Sheet {
     return {left_px_ + px_per_mm_ * (p_mm.x() - box_.min().x()),
             kTitle_px + kMargin_px + px_per_mm_ * (box_.max().y() - p_mm.y())};
   }
-  static std::vector<double> stationsOf(const dieline::Curve& curve) {
+  /// Pieces that leave a circle of that length by no more than 0.02 px, within limits.
+  [[nodiscard]] std::vector<double> stationsOf(const dieline::Curve& curve) const {
     if (std::holds_alternative<dieline::LineCurve>(curve)) return {0.0, 1.0};
-    return dieline::stations(curve, std::max(1e-6, dieline::lengthOf(curve) / 96.0));
+    const double length_mm = dieline::lengthOf(curve);
+    const double pieces =
+        std::clamp(std::sqrt(std::numbers::pi * px_per_mm_ * length_mm / (4.0 * 0.02)), 12.0, 96.0);
+    return dieline::stations(curve, std::max(1e-6, length_mm / pieces));
   }
   [[nodiscard]] Polyline lineOf(const dieline::Curve& curve) const {
     Polyline line;
@@ -169,8 +178,7 @@ class Sheet {
   [[nodiscard]] std::string title() const {
     const dieline::Outlines outlines = dieline::outlinesOf(dieline_, Process::kCut);
     std::size_t holes = 0;
-    for (std::size_t i = 0; i < outlines.closed.size(); ++i)
-      holes += dieline::nestingOf(outlines, i) % 2 == 1 ? 1 : 0;
+    for (const int nesting : dieline::nestingsOf(outlines)) holes += nesting % 2 == 1 ? 1 : 0;
     std::string text = content_.title;
     const Eigen::AlignedBox2d box = dieline_.bounds();
     if (!box.isEmpty()) text += fmt::format(": {:.2f} x {:.2f} mm", box.sizes().x(), box.sizes().y());

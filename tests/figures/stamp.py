@@ -51,6 +51,8 @@ PAGES = {
     "diagnoses": Page("docs/explanation/diagnosis.md", "./bench diagnoses",
                       "hil/diagnose hil/judge/asked_path.cpp hil/judge/diagnosis_evidence.cpp hil/judge/gate_readings.cpp "
                       "hil/judge/timed_cuts.cpp tests/diagnosis"),
+    "drawings": Page("docs/explanation/drawings-of-others.md", "./bench drawings",
+                     "hil/dieline hil/witness tests/others/others.py tests/others/others.toml"),
     "papers": Page("docs/reference/papers.md", "./bench papers",
                    "firmware_under_test/planner tests/papers tests/papers/rows.toml"),
     "mutate": Page("tests/mutation/RESULTS.md", "./bench mutate",

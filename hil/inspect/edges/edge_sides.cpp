@@ -66,11 +66,12 @@ EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge, Tole
   if (edge == Tolerances::Edge::kCentre) return sides;
   const dieline::Outlines outlines = dieline::outlinesOf(dieline, dieline::Process::kCut);
   sideOpen(dieline, outlines, open_cuts, sides);
+  const std::vector<int> nestings = dieline::nestingsOf(outlines);
   for (std::size_t i = 0; i < outlines.closed.size(); ++i) {
     const dieline::Outline& outline = outlines.closed[i];
     if (!isJudged(dieline, outline.steps)) continue;
-    const bool hole = edge == Tolerances::Edge::kInside ||
-                      (edge == Tolerances::Edge::kNesting && dieline::nestingOf(outlines, i) % 2 == 1);
+    const bool hole =
+        edge == Tolerances::Edge::kInside || (edge == Tolerances::Edge::kNesting && nestings[i] % 2 == 1);
     ++(hole ? sides.holes : sides.outlines);
     const bool left = (doubleArea(outline.polygon_mm) > 0.0) == hole;
     for (const OutlineStep& step : outline.steps) {

@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Reads drawings by other people's programs with both readers, and writes the table of docs/explanation/drawings-of-others.md.
+
+The drawings are not in this repository. tests/others/others.toml names public repositories with a commit each: clone them
+into one folder and give that folder. Every drawing goes through `kerfbench lint --witness` as a user would type it, with all
+lines as one process, and ends in one of these classes:
+
+  agree    both readers find the same lengths and boxes, to 1 um
+  empty    neither finds a line
+  refused  this reader refuses the drawing, with a sentence
+  no second reading  the second reader cannot read it, or does not follow something in it
+  part     they read different things
+  broken   a reader crashed, hung or answered what is no answer
+
+With --reasons a file gets the sentences behind all drawings that do not agree, for people to look into: who is right?
+Exit code: 0 done, 1 a reader broke, 2 a repository is not there, 64 usage.
+"""
+import argparse
+import collections
+import concurrent.futures
+import io
+import os
+import re
+import subprocess
+import sys
+import tarfile
+import tempfile
+import tomllib
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "tests", "figures"))
+import stamp  # noqa: E402
+
+PAGE = "docs/explanation/drawings-of-others.md"
+LIST = "tests/others/others.toml"
+CLASSES = ("agree", "empty", "refused", "no second reading", "part", "broken")
+BEGIN, END = "<!-- ./bench drawings writes from here -->", "<!-- to here -->"
+LONGEST_S = 600
+
+Reading = collections.namedtuple("Reading", "kind why")
+
+
+class Missing(Exception):
+    """A repository that is not where it should be, in words."""
+
+
+def read_list(path):
+    with open(path, "rb") as opened:
+        return tomllib.load(opened)["repository"]
+
+
+def git_folder(top, name):
+    """The clone of a repository: with a work tree, or bare."""
+    for inside in (name, os.path.join(name, ".git"), name + ".git"):
+        if os.path.isfile(os.path.join(top, inside, "HEAD")):
+            return os.path.join(top, inside)
+    raise Missing(f"{os.path.join(top, name)} is no clone")
+
+
+def unpack(top, repository, into):
+    """Puts the drawings of a repository's commit into a folder. Returns their paths there, sorted."""
+    wanted = [f":(icase,glob){below}**/*.{repository['kind']}" for below in repository.get("below", [""])]
+    wanted += [f":(exclude){name}" for name in repository.get("but", [])]
+    packed = subprocess.run(["git", "--git-dir", git_folder(top, repository["folder"]), "archive", "--format=tar",
+                             repository["commit"], "--", *wanted], capture_output=True, check=False)
+    if packed.returncode != 0:
+        raise Missing(f"{repository['folder']}, {repository['commit']}: {packed.stderr.decode().strip()}")
+    names = []
+    with tarfile.open(fileobj=io.BytesIO(packed.stdout)) as archive:
+        for member in archive:
+            if member.isfile():
+                archive.extract(member, into, filter="data")
+                names.append(member.name)
+    return sorted(names)
+
+
+def reading_of(code, said, errors):
+    """What a drawing's reading came to, from what lint printed and its exit code."""
+    witness = [line for line in said.splitlines() if ": the second reader (" in line or "the second reader cannot" in line]
+    for line in witness:
+        if " agrees on " in line:
+            return Reading("empty" if ", 0.000 mm in all" in line else "agree", "")
+        if " parts from this one in " in line:
+            apart = [other.split(": error: ", 1)[1] for other in said.splitlines() if ": error: " in other]
+            return Reading("part", "; ".join(apart[:3]))
+        if "cannot read the drawing" in line:
+            return Reading("no second reading", line.split(": error: ", 1)[1])
+    if code == 65 and errors:
+        return Reading("refused", errors.splitlines()[0])
+    return Reading("broken", f"exit code {code}: {(errors or said).strip()[-300:]}")
+
+
+def read_one(program, folder, name):
+    unit = ["--unit", "mm"] if name.lower().endswith(".dxf") else []
+    try:
+        done = subprocess.run([program, "lint", "--witness", "--layer", "*/other=cut", *unit, name], cwd=folder,
+                              capture_output=True, text=True, errors="replace", timeout=LONGEST_S, check=False)
+    except subprocess.TimeoutExpired:
+        return Reading("broken", f"more than {LONGEST_S} s")
+    return reading_of(done.returncode, done.stdout, done.stderr.replace(name, "FILE"))
+
+
+def tell(text):
+    if sys.stderr.isatty():
+        sys.stderr.write("\r" + text.ljust(70))
+        sys.stderr.flush()
+
+
+def row_of(repository, counts):
+    below = ", ".join(repository.get("below", []))
+    where = "/".join(repository["url"].split("/")[-2:])
+    return (f"| {where} {repository['commit'][:8]}{': ' + below if below else ''} ({repository['kind'].upper()}) | "
+            f"{sum(counts.values())} | " + " | ".join(str(counts[kind]) for kind in CLASSES) + " |")
+
+
+def put_into(page, lines):
+    """The page with these lines between its marks."""
+    before, begin, rest = page.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise Missing(f"{PAGE} lacks its marks {BEGIN} and {END}")
+    return before + begin + "\n" + "\n".join(lines) + "\n" + end + after
+
+
+def read_all(options, repositories, reasons):
+    """The rows of the table. What does not agree goes to `reasons`."""
+    rows, sums = [], collections.Counter()
+    for repository in repositories:
+        with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+            names = unpack(options.folder, repository, folder)[::options.every]
+            readings = []
+            for reading in pool.map(lambda name, at=folder: read_one(options.program, at, name), names):
+                readings.append(reading)
+                tell(f"{repository['folder']} {repository['kind']}: {len(readings)} of {len(names)}")
+        counts = collections.Counter(reading.kind for reading in readings)
+        sums += counts
+        rows.append(row_of(repository, counts))
+        reasons += [f"{repository['folder']}/{name}: {reading.kind}: {reading.why}"
+                    for name, reading in zip(names, readings, strict=True) if reading.kind not in ("agree", "empty")]
+    rows.append(f"| all | {sum(sums.values())} | " + " | ".join(str(sums[kind]) for kind in CLASSES) + " |")
+    return rows, sums
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="bench drawings", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", help="where the clones of the repositories of " + LIST + " lie")
+    parser.add_argument("--build", default=os.path.join(ROOT, "build", "release"), help="the build that is tried")
+    parser.add_argument("--only", metavar="NAME", action="append", default=[], help="only these repositories; writes no page")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="only each Nth drawing; writes no page")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="drawings at a time")
+    parser.add_argument("--reasons", metavar="FILE", help="write why drawings do not agree")
+    try:
+        options = parser.parse_args()
+        if options.every < 1 or options.jobs < 1:
+            parser.error("--every and --jobs are 1 or more")
+    except SystemExit as end:
+        return 64 if end.code else 0
+    options.program = os.path.join(os.path.abspath(options.build), "bin", "kerfbench")
+    line = stamp.line_of("drawings", "no seed")
+    repositories = [one for one in read_list(os.path.join(ROOT, LIST)) if not options.only or one["folder"] in options.only]
+    reasons = []
+    rows, sums = read_all(options, repositories, reasons)
+    table = [line, "", "| public repository, commit | drawings | " + " | ".join(CLASSES) + " |",
+             "|" + "---|" * (len(CLASSES) + 2), *rows]
+    tell("")
+    print("\n".join(table))
+    if options.reasons:
+        stamp.write(options.reasons, "\n".join(reasons) + "\n")
+    if not options.only and options.every == 1:
+        page = os.path.join(ROOT, PAGE)
+        stamp.write(page, put_into(stamp.read(page), table))
+    return 1 if sums["broken"] else 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except (Missing, OSError) as error:
+        print(f"drawings: {error}", file=sys.stderr)
+        sys.exit(2)
