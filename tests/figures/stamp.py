@@ -52,7 +52,9 @@ PAGES = {
                       "hil/diagnose hil/judge/asked_path.cpp hil/judge/diagnosis_evidence.cpp hil/judge/gate_readings.cpp "
                       "hil/judge/timed_cuts.cpp tests/diagnosis"),
     "drawings": Page("docs/explanation/drawings-of-others.md", "./bench drawings",
-                     "hil/dieline hil/witness tests/others/others.py tests/others/others.toml"),
+                     "hil/dieline hil/witness tests/others/others.py tests/others/others.toml tests/others/unpacking.py"),
+    "cartons": Page("docs/explanation/drawings-of-others.md", "./bench drawings --cut",
+                    "hil/dieline hil/inspect hil/judge hil/vision tests/others/cartons.py tests/others/cartons.toml"),
     "papers": Page("docs/reference/papers.md", "./bench papers",
                    "firmware_under_test/planner tests/papers tests/papers/rows.toml"),
     "mutate": Page("tests/mutation/RESULTS.md", "./bench mutate",

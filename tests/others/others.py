@@ -13,36 +13,36 @@ lines as one process, and ends in one of these classes:
   part     they read different things
   broken   a reader crashed, hung or answered what is no answer
 
+With --cut three cartons that these programs draw (tests/others/cartons.toml) are cut and judged instead, and then their spoiled
+jobs. That takes esbuild, node, python3-qrcode, python3-affine, python3-markdown and python3-shapely, which `bench` does not install.
+
 With --reasons a file gets the sentences behind all drawings that do not agree, for people to look into: who is right?
-Exit code: 0 done, 1 a reader broke, 2 a repository is not there, 64 usage.
+Exit code: 0 done, 1 a reader broke or a verdict is wrong, 2 a repository is not there, 64 usage.
 """
 import argparse
 import collections
 import concurrent.futures
-import io
 import os
 import re
 import subprocess
 import sys
-import tarfile
 import tempfile
 import tomllib
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "tests", "figures"))
+import cartons  # noqa: E402
 import stamp  # noqa: E402
+import unpacking  # noqa: E402
 
 PAGE = "docs/explanation/drawings-of-others.md"
 LIST = "tests/others/others.toml"
 CLASSES = ("agree", "empty", "refused", "no second reading", "part", "broken")
-BEGIN, END = "<!-- ./bench drawings writes from here -->", "<!-- to here -->"
+BEGIN, CUT_BEGIN = "<!-- ./bench drawings writes from here -->", "<!-- ./bench drawings --cut writes from here -->"
+END = "<!-- to here -->"
 LONGEST_S = 600
 
 Reading = collections.namedtuple("Reading", "kind why")
-
-
-class Missing(Exception):
-    """A repository that is not where it should be, in words."""
 
 
 def read_list(path):
@@ -50,29 +50,10 @@ def read_list(path):
         return tomllib.load(opened)["repository"]
 
 
-def git_folder(top, name):
-    """The clone of a repository: with a work tree, or bare."""
-    for inside in (name, os.path.join(name, ".git"), name + ".git"):
-        if os.path.isfile(os.path.join(top, inside, "HEAD")):
-            return os.path.join(top, inside)
-    raise Missing(f"{os.path.join(top, name)} is no clone")
-
-
-def unpack(top, repository, into):
-    """Puts the drawings of a repository's commit into a folder. Returns their paths there, sorted."""
+def patterns(repository):
+    """The paths of its drawings, as git has them."""
     wanted = [f":(icase,glob){below}**/*.{repository['kind']}" for below in repository.get("below", [""])]
-    wanted += [f":(exclude){name}" for name in repository.get("but", [])]
-    packed = subprocess.run(["git", "--git-dir", git_folder(top, repository["folder"]), "archive", "--format=tar",
-                             repository["commit"], "--", *wanted], capture_output=True, check=False)
-    if packed.returncode != 0:
-        raise Missing(f"{repository['folder']}, {repository['commit']}: {packed.stderr.decode().strip()}")
-    names = []
-    with tarfile.open(fileobj=io.BytesIO(packed.stdout)) as archive:
-        for member in archive:
-            if member.isfile():
-                archive.extract(member, into, filter="data")
-                names.append(member.name)
-    return sorted(names)
+    return wanted + [f":(exclude){name}" for name in repository.get("but", [])]
 
 
 def reading_of(code, said, errors):
@@ -114,13 +95,22 @@ def row_of(repository, counts):
             f"{sum(counts.values())} | " + " | ".join(str(counts[kind]) for kind in CLASSES) + " |")
 
 
-def put_into(page, lines):
+def put_into(page, begin, lines):
     """The page with these lines between its marks."""
-    before, begin, rest = page.partition(BEGIN)
+    before, found, rest = page.partition(begin)
     _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise Missing(f"{PAGE} lacks its marks {BEGIN} and {END}")
-    return before + begin + "\n" + "\n".join(lines) + "\n" + end + after
+    if not found or not end:
+        raise unpacking.Missing(f"{PAGE} lacks its marks {begin} and {END}")
+    return before + begin + "\n" + "\n".join(lines) + "\n" + END + after
+
+
+def write_table(begin, lines, is_whole):
+    """Prints a table, and puts it into the page if it is whole."""
+    tell("")
+    print("\n".join(lines))
+    if is_whole:
+        page = os.path.join(ROOT, PAGE)
+        stamp.write(page, put_into(stamp.read(page), begin, lines))
 
 
 def read_all(options, repositories, reasons):
@@ -128,7 +118,8 @@ def read_all(options, repositories, reasons):
     rows, sums = [], collections.Counter()
     for repository in repositories:
         with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-            names = unpack(options.folder, repository, folder)[::options.every]
+            names = unpacking.unpack(options.folder, repository["folder"], repository["commit"], patterns(repository), folder)
+            names = names[::options.every]
             readings = []
             for reading in pool.map(lambda name, at=folder: read_one(options.program, at, name), names):
                 readings.append(reading)
@@ -142,11 +133,34 @@ def read_all(options, repositories, reasons):
     return rows, sums
 
 
+def read_drawings(options):
+    line = stamp.line_of("drawings", "no seed")
+    repositories = [one for one in read_list(os.path.join(ROOT, LIST)) if not options.only or one["folder"] in options.only]
+    reasons = []
+    rows, sums = read_all(options, repositories, reasons)
+    table = [line, "", "| public repository, commit | drawings | " + " | ".join(CLASSES) + " |",
+             "|" + "---|" * (len(CLASSES) + 2), *rows]
+    write_table(BEGIN, table, not options.only and options.every == 1)
+    if options.reasons:
+        stamp.write(options.reasons, "\n".join(reasons) + "\n")
+    return 1 if sums["broken"] else 0
+
+
+def cut_all(options):
+    line = stamp.line_of("cartons", "seed 1")
+    rows, wrong = cartons.table(ROOT, options.folder, options.program, options.jobs)
+    write_table(CUT_BEGIN, [line, "", *rows], is_whole=not wrong)
+    for sentence in wrong:
+        print(f"drawings: not as it should be: {sentence}", file=sys.stderr)
+    return 1 if wrong else 0
+
+
 def main():
     parser = argparse.ArgumentParser(prog="bench drawings", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", help="where the clones of the repositories of " + LIST + " lie")
     parser.add_argument("--build", default=os.path.join(ROOT, "build", "release"), help="the build that is tried")
+    parser.add_argument("--cut", action="store_true", help="cut three cartons instead: the second table of the page")
     parser.add_argument("--only", metavar="NAME", action="append", default=[], help="only these repositories; writes no page")
     parser.add_argument("--every", type=int, default=1, metavar="N", help="only each Nth drawing; writes no page")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="drawings at a time")
@@ -158,25 +172,12 @@ def main():
     except SystemExit as end:
         return 64 if end.code else 0
     options.program = os.path.join(os.path.abspath(options.build), "bin", "kerfbench")
-    line = stamp.line_of("drawings", "no seed")
-    repositories = [one for one in read_list(os.path.join(ROOT, LIST)) if not options.only or one["folder"] in options.only]
-    reasons = []
-    rows, sums = read_all(options, repositories, reasons)
-    table = [line, "", "| public repository, commit | drawings | " + " | ".join(CLASSES) + " |",
-             "|" + "---|" * (len(CLASSES) + 2), *rows]
-    tell("")
-    print("\n".join(table))
-    if options.reasons:
-        stamp.write(options.reasons, "\n".join(reasons) + "\n")
-    if not options.only and options.every == 1:
-        page = os.path.join(ROOT, PAGE)
-        stamp.write(page, put_into(stamp.read(page), table))
-    return 1 if sums["broken"] else 0
+    return cut_all(options) if options.cut else read_drawings(options)
 
 
 if __name__ == "__main__":
     try:
         sys.exit(main())
-    except (Missing, OSError) as error:
+    except (unpacking.Missing, OSError) as error:
         print(f"drawings: {error}", file=sys.stderr)
         sys.exit(2)
