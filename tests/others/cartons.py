@@ -40,7 +40,7 @@ def drawn(root, top, told, into):
         copy.write(opened.read())
     drawing = os.path.join(folder, told["drawing"])
     with open(drawing, "wb") as file:
-        made = subprocess.run(["sh", "-c", "set -o pipefail 2>/dev/null; " + told["make"].replace("MAKER", told["maker"])],
+        made = subprocess.run(["bash", "-o", "pipefail", "-c", told["make"].replace("MAKER", told["maker"])],
                               cwd=source, stdout=file, stderr=subprocess.PIPE, check=False)
     if made.returncode != 0 or os.path.getsize(drawing) == 0:
         raise unpacking.Missing(f"{told['what']}: {told['make']}: {made.stderr.decode().strip()[-300:]}")
@@ -68,7 +68,7 @@ def judged(program, path):
     with open(os.path.join(latest, "verdict.json"), encoding="utf-8") as file:
         told = json.load(file)
     checks = {check["name"]: check for check in told["checks"]}
-    failing = sorted(name for name, check in checks.items() if check["status"] not in ("PASS", "NOT JUDGED", "SKIPPED"))
+    failing = sorted(name for name, check in checks.items() if check["verdict"] != "PASS")
     return Verdict(told["verdict"], failing, checks), latest
 
 
