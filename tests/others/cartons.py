@@ -8,6 +8,7 @@ machine of that file, and judged. Then the job is spoiled and judged against the
 import collections
 import concurrent.futures
 import json
+import math
 import os
 import re
 import subprocess
@@ -20,6 +21,8 @@ LIST = "tests/others/cartons.toml"
 SCALE = 1.002
 HALF_POWER = 0.5
 LONGEST_S = 1800
+# Programs that know no curves write polylines. An ellipse in pieces of these lengths, mm, on the first machine.
+PIECES_MM = (0.15, 0.3, 0.5, 0.8, 1.2, 2.0)
 
 Carton = collections.namedtuple("Carton", "what folder read creases")
 Verdict = collections.namedtuple("Verdict", "word failing values")
@@ -127,6 +130,39 @@ def row_of(root, program, carton, machines):
     wrong += [f"{carton.what}, {word}: {shown(verdict)}" for word, verdict in bad if verdict.word != "FAIL"]
     cells.append("; ".join(f"{word}: {shown(verdict)}" for word, verdict in bad))
     return "| " + " | ".join(cells) + " |", wrong
+
+
+def ellipse(piece_mm):
+    """An SVG of an ellipse of 60 x 40 mm as one polyline of pieces of equal angle, of that length on average."""
+    a, b = 30.0, 20.0
+    sides = round(math.pi * (3 * (a + b) - math.sqrt((3 * a + b) * (a + 3 * b))) / piece_mm)
+    turn = [2 * math.pi * i / sides for i in range(sides)]
+    places = " L".join(f"{35 + a * math.cos(t):.6f} {25 + b * math.sin(t):.6f}" for t in turn)
+    return ('<svg xmlns="http://www.w3.org/2000/svg" width="70mm" height="50mm" viewBox="0 0 70 50">'
+            f'<path fill="none" stroke="#ff0000" d="M{places} Z"/></svg>\n'), sides
+
+
+def row_of_pieces(root, program, into, piece_mm, machine):
+    folder = os.path.join(into, f"pieces-{piece_mm}")
+    os.mkdir(folder)
+    text, sides = ellipse(piece_mm)
+    with open(os.path.join(folder, "ellipse.svg"), "w", encoding="utf-8") as file:
+        file.write(text)
+    carton = Carton("", folder, "dieline: {file: ellipse.svg, shift: [-105, -25]}", False)
+    verdict, _ = judged(program, scenario(root, carton, "good", machine["scenario"]))
+    told = shown(verdict) + ("" if "gate_lag" in verdict.values else "; `gate_lag` is not judged")
+    return f"| {piece_mm} mm | {sides} | {told} |", [] if verdict.word == "PASS" else [f"pieces of {piece_mm} mm: {told}"]
+
+
+def table_of_pieces(root, program, jobs):
+    """Lines of the table of an ellipse in pieces, and what is not as it should be."""
+    machine = read_list(root)["machine"][0]
+    lines, wrong = ["| pieces of | number | verdict |", "|---|---|---|"], []
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for row, faults in pool.map(lambda piece: row_of_pieces(root, program, folder, piece, machine), PIECES_MM):
+            lines.append(row)
+            wrong += faults
+    return lines, wrong
 
 
 def table(root, top, program, jobs):

@@ -149,7 +149,10 @@ def read_drawings(options):
 def cut_all(options):
     line = stamp.line_of("cartons", "seed 1")
     rows, wrong = cartons.table(ROOT, options.folder, options.program, options.jobs)
-    write_table(CUT_BEGIN, [line, "", *rows], is_whole=not wrong)
+    pieces, others_wrong = cartons.table_of_pieces(ROOT, options.program, options.jobs)
+    wrong += others_wrong
+    write_table(CUT_BEGIN, [line, "", *rows, "", "And an ellipse of 60 x 40 mm, drawn as straight pieces, on the two mirrors:", "",
+                            *pieces], is_whole=not wrong)
     for sentence in wrong:
         print(f"drawings: not as it should be: {sentence}", file=sys.stderr)
     return 1 if wrong else 0

@@ -26,7 +26,7 @@ def unpack(top, name, commit, wanted, into):
         raise Missing(f"{name}, {commit}: {packed.stderr.decode().strip()}")
     with tarfile.open(fileobj=io.BytesIO(packed.stdout)) as archive:
         names = sorted(member.name for member in archive if member.isfile())
-        archive.extractall(into, filter="data")
+        archive.extractall(into)
     return names
 
 
