@@ -77,7 +77,8 @@ Diagnosis diagnose(const Evidence& evidence) {
       return cause.key == "backlash_x" || cause.key == "backlash_y" || cause.key == "axis_slipped";
     });
   // Axes that are swapped, or a gate that is inverted, leave nothing to be fitted.
-  if (has(direct, "axes") || has(direct, "gate_inverted") || has(direct, "encoder_reversed"))
+  const bool is_elsewhere = has(direct, "stepper_pulled_out");
+  if (is_elsewhere || has(direct, "axes") || has(direct, "gate_inverted") || has(direct, "encoder_reversed"))
     fitted.causes.clear();
   diagnosis.causes = std::move(direct);
   std::ranges::move(fitted.causes, std::back_inserter(diagnosis.causes));
@@ -123,6 +124,7 @@ const std::vector<std::string>& causeKeys() {
                                               "mean_speed",
                                               "others",
                                               "pincushion_missing",
+                                              "power_loop_rings",
                                               "power_scale",
                                               "program_offset",
                                               "program_rotation",

@@ -115,6 +115,15 @@ void ofGates(const Evidence& evidence, std::vector<Cause>& causes) {
   }
   // Where the sheet is not followed the way on it is not the ordered one.
   if (evidence.belt_followed < kIgnored) return;
+  if (evidence.power_swing) {
+    const PowerSwing& swing = *evidence.power_swing;
+    causes.push_back(direct(
+        "power_loop_rings", {100.0 * swing.share, 100.0 * swing.share_U, "%"},
+        fmt::format(
+            "The laser's power swings by ± {} % in a period of {:.1f} ms while the beam keeps its speed: the "
+            "loop on the measured power rings; its gain is too high for the delay of its meter.",
+            withU(100.0 * swing.share, 100.0 * swing.share_U), 1e3 * swing.period_s)));
+  }
   const Middle power = middleOf(energy);
   constexpr double kDark = 0.05;
   if (power.count >= kFewestGates && power.value < kDark) {
@@ -134,6 +143,24 @@ void ofGates(const Evidence& evidence, std::vector<Cause>& causes) {
             "the laser's full power.",
             withU(100.0 * power.value, U))));
   }
+}
+
+/// The beam is elsewhere, beyond all that the cameras look at.
+void ofBeam(const Evidence& evidence, std::vector<Cause>& causes) {
+  constexpr double kMost = 0.5;
+  const auto is_stepper = [&](int axis) { return evidence.machine.full_step_pulses[axis] > 0.0; };
+  const bool all_there = std::ranges::all_of(
+      evidence.drives, [](const DriveReading& drive) { return !drive.told || drive.told == drive.seen; });
+  if (evidence.beam_unseen < kMost || !evidence.burnt_elsewhere || !all_there || !causes.empty() ||
+      !(is_stepper(0) || is_stepper(1)))
+    return;
+  causes.push_back(direct(
+      "stepper_pulled_out", {},
+      fmt::format(
+          "The beam is not where its pulses lead it, in {:.0f} % of the frames nowhere about there, and all "
+          "pulses are "
+          "there: a stepper was pulled out; ask for less acceleration and speed, or give it more current.",
+          100.0 * evidence.beam_unseen)));
 }
 
 void ofEntities(const Evidence& evidence, std::vector<Cause>& causes) {
@@ -258,7 +285,9 @@ std::vector<Cause> directCauses(const Evidence& evidence) {
   ofDrives(evidence, causes);
   ofKerf(evidence, causes);
   // Axes or a gate that are wrong by far cut elsewhere or all the time: what else is amiss follows from that.
-  if (evidence.gate_polarity.empty() && evidence.axes.empty()) {
+  ofBeam(evidence, causes);
+  const bool is_elsewhere = !causes.empty() && causes.front().key == "stepper_pulled_out";
+  if (evidence.gate_polarity.empty() && evidence.axes.empty() && !is_elsewhere) {
     ofEntities(evidence, causes);
     ofGates(evidence, causes);
   }

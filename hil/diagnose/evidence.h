@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "hil/diagnose/power_swing.h"
+
 namespace kerfbench::diagnose {
 
 // What a diagnosis may know of a run: pictures, pins, the controller's words, the program that it was sent,
@@ -143,10 +145,14 @@ struct Evidence {
   bool encoder_backwards{};  ///< The encoder counts backwards while the line runs forwards.
   double belt_travel_mm{};   ///< Travel of the belt by its encoder, through the whole run.
   int openings{};            ///< Openings of the laser's gate.
+  /// Share of the frames with a beam in which there was no spot about where the pulses lead it.
+  double beam_unseen{};
+  bool burnt_elsewhere{};  ///< The sheet is burnt where nothing is drawn.
   /// Share of the sheet's travel that the pulses follow between begin and end of the cuts, median; 1: all of
   /// it.
   double belt_followed{kUnknown};
   Eigen::Vector2d drawing_centre_mm{0, 0};
+  std::optional<PowerSwing> power_swing;  ///< Of the laser, by the pins.
   std::vector<LineReading> lines;
   std::vector<SpotReading> spots;
   std::vector<GateReading> gates;

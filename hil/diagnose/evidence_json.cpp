@@ -132,8 +132,8 @@ template <typename V, typename T>
 void scalars(V& v, T& e) {
   v.take(e.limit_mm), v.take(e.passed), v.take(e.failed), v.take(e.edges_judged), v.take(e.kerf_radius_mm);
   v.take(e.ordered_radius_mm), v.take(e.planned_speed_mm_s), v.take(e.sheet_moves),
-      v.take(e.encoder_backwards), v.take(e.belt_travel_mm), v.take(e.openings), v.take(e.belt_followed),
-      v.take(e.drawing_centre_mm);
+      v.take(e.encoder_backwards), v.take(e.belt_travel_mm), v.take(e.openings), v.take(e.beam_unseen),
+      v.take(e.burnt_elsewhere), v.take(e.belt_followed), v.take(e.drawing_centre_mm);
   v.take(e.stop), v.take(e.axes), v.take(e.gate_polarity), v.take(e.others);
 }
 
@@ -168,7 +168,7 @@ std::string evidenceJson(const Evidence& evidence) {
   Json json;
   Writer writer;
   scalars(writer, evidence);
-  json["version"] = 4;
+  json["version"] = 5;
   json["run"] = writer.json;
   json["machine"] = one(evidence.machine);
   json["spread"] = one(evidence.spread);
@@ -182,6 +182,13 @@ std::string evidenceJson(const Evidence& evidence) {
         belt.take(evidence.belt->travel_mm);
     json["belt"] = belt.json;
   }
+  json["power_swing"] = nullptr;
+  if (evidence.power_swing) {
+    Writer swing;
+    swing.take(evidence.power_swing->share), swing.take(evidence.power_swing->share_U),
+        swing.take(evidence.power_swing->period_s);
+    json["power_swing"] = swing.json;
+  }
   json["lines"] = list(evidence.lines);
   json["spots"] = list(evidence.spots);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -190,7 +197,7 @@ std::string evidenceJson(const Evidence& evidence) {
 Evidence evidenceFromJson(const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    if (json.at("version") != 4) throw std::runtime_error("evidence of a diagnosis: another version");
+    if (json.at("version") != 5) throw std::runtime_error("evidence of a diagnosis: another version");
     Evidence evidence;
     Reader reader(json.at("run"));
     scalars(reader, evidence);
@@ -204,6 +211,12 @@ Evidence evidenceFromJson(const std::string& text) {
       evidence.belt.emplace();
       belt.take(evidence.belt->ratio), belt.take(evidence.belt->ratio_sigma),
           belt.take(evidence.belt->travel_mm);
+    }
+    if (const Json& j = json.at("power_swing"); !j.is_null()) {
+      Reader swing(j);
+      evidence.power_swing.emplace();
+      swing.take(evidence.power_swing->share), swing.take(evidence.power_swing->share_U),
+          swing.take(evidence.power_swing->period_s);
     }
     read(json.at("lines"), evidence.lines);
     read(json.at("spots"), evidence.spots);

@@ -32,6 +32,9 @@ constexpr double kFarAway = 9.0;
 constexpr double kWorthOfLimit = 0.3;
 /// The same of each of two.
 constexpr double kWorthOfTwo = 0.7;
+/// Share of the deviation that a cause must explain: one that moves other places than those that deviate is
+/// none.
+constexpr double kWorthOfShare = 0.1;
 /// Relative standard uncertainty of sizes by what the signatures leave out: terms of the second order.
 constexpr double kModel = 0.005;
 constexpr double kGrossModel = 0.015;
@@ -292,7 +295,7 @@ class Ranker {
     cause.left_mm =
         std::sqrt(explained.after / static_cast<double>(std::max<std::size_t>(1, explained.count)));
     cause.score = chosen.score;
-    if (explained.most_mm < kWorthOfLimit * evidence_.limit_mm) return {};
+    if (explained.most_mm < kWorthOfLimit * evidence_.limit_mm || cause.share < kWorthOfShare) return {};
     if (chosen.causes.size() > 1 && explained.most_mm < kWorthOfTwo * evidence_.limit_mm) return {};
     cause.key = known.key == kPulsesLost && cause.size.value < 0.0 ? kPulsesDoubled : known.key;
     if (isTimed(known) || known.key == kPulsesLost) cause.size.value = std::abs(cause.size.value);

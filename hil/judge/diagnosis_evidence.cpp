@@ -50,6 +50,7 @@ class EvidenceMaker {
 
   diagnose::Evidence make() {
     drives();
+    beam();
     entities();
     if (out_.sheet_moves) belt();
     if (const auto steps = stepsOf(case_, recording_)) alongPins(*steps);
@@ -160,6 +161,13 @@ class EvidenceMaker {
     }
   }
 
+  void beam() {
+    for (const inspect::Check& check : result_.checks) {
+      if (check.name == "spot_seen" && std::isfinite(check.value)) out_.beam_unseen = check.value;
+      if (check.name == "stray") out_.burnt_elsewhere = check.verdict == inspect::Verdict::kFail;
+    }
+  }
+
   void entities() {
     const ProgramPath program(gcode());
     for (const inspect::EntityResult& e : result_.entities) {
@@ -205,6 +213,7 @@ class EvidenceMaker {
                          scenario.job.power ? 0.0 : scenario.job.cut_energy_j_per_mm,
                          scenario.job.mark_speed_mm_s, scenario.job.acceleration_mm_s2};
     out_.gates = gateReadings(cuts, asked, sheet_, pins_.light, order);
+    out_.power_swing = diagnose::powerSwing(powerRuns(cuts, pins_.light));
   }
 
   /// How far the pulses go along x from begin to end of each piece of the program, less what the piece itself

@@ -121,4 +121,33 @@ std::vector<diagnose::GateReading> gateReadings(const TimedCuts& cuts, const Ask
   return readings;
 }
 
+std::vector<diagnose::PowerRun> powerRuns(const TimedCuts& cuts, const std::vector<inspect::Span>& light) {
+  // Whole steps make the speed of a single span uneven.
+  constexpr std::ptrdiff_t kAround = 8;
+  std::vector<diagnose::PowerRun> runs;
+  const inspect::EmittedLight emitted(light);
+  for (const TimedCuts::Cut& cut : cuts.cuts()) {
+    std::vector<Eigen::Vector2d> p_mm;
+    diagnose::PowerRun run;
+    std::size_t next = 0;
+    for (double at_s = cut.on_s; at_s + diagnose::kPowerSpan_s <= cut.off_s; at_s += diagnose::kPowerSpan_s) {
+      while (next < cut.time_s.size() && cut.time_s[next] < at_s) ++next;
+      if (next == cut.time_s.size()) break;
+      p_mm.push_back(cut.p_S_mm[next]);
+      run.light_share.push_back(emitted.between(at_s, at_s + diagnose::kPowerSpan_s) /
+                                diagnose::kPowerSpan_s);
+    }
+    const auto count = static_cast<std::ptrdiff_t>(p_mm.size());
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      const auto from = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, i - kAround));
+      const auto to = static_cast<std::size_t>(std::min(count - 1, i + kAround));
+      const double way_mm = (p_mm[to] - p_mm[from]).norm();
+      run.speed_mm_s.push_back(to > from ? way_mm / (static_cast<double>(to - from) * diagnose::kPowerSpan_s)
+                                         : 0.0);
+    }
+    runs.push_back(std::move(run));
+  }
+  return runs;
+}
+
 }  // namespace kerfbench::judge

@@ -23,4 +23,7 @@ std::vector<diagnose::GateReading> gateReadings(const TimedCuts& cuts, const Ask
                                                 const std::vector<inspect::Span>& light,
                                                 const CutOrder& order);
 
+/// Light and speed within each cut, of which powerSwing() tells whether the power swings.
+std::vector<diagnose::PowerRun> powerRuns(const TimedCuts& cuts, const std::vector<inspect::Span>& light);
+
 }  // namespace kerfbench::judge

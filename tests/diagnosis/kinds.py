@@ -226,6 +226,16 @@ def axes_lag(place, f, rng):
     return Fault(place.job(machine=f"galvo_x: {servo}\ngalvo_y: {servo}\n"), "axes_lag", 1e3 * late_s)
 
 
+@kind([Place(HEAD, "plate")], sized=False)
+def stepper_pulled_out(place, f, rng):
+    """A motor with too little torque for its job."""
+    axis, torque = rng.choice("xy"), 0.04 / (1.0 + f)
+    return Fault(Job(base="geared/plate.yaml",
+                     keys="planner: {acceleration_mm_s2: 20000, mark_speed_mm_s: 60, jump_speed_mm_s: 400}\n",
+                     machine=f"galvo_{axis}: {{stepper: {{holding_torque_n_m: {torque:.5f}, detent_torque_n_m: 0.0005}}}}\n"),
+                 "stepper_pulled_out", None)
+
+
 # Recorded pins.
 
 def recorded(place, change, foreign=True, **others):
@@ -373,6 +383,14 @@ def power_scale(place, f, rng):
     job = told(place, f"full_power_w: {100.0 / (1.0 + share):.6f}",
                keys=f"checks: {{ordered_width: {{nominal_mm: {width(ENERGY):.6f}, limit_mm: 0.02}}}}\n")
     return Fault(job, "power_scale", 100.0 * share)
+
+
+@kind([Place(HEAD, "contour")], sized=False)
+def power_loop_rings(place, f, rng):
+    """The paper's gain of 1 behind a meter that tells late."""
+    speed = rng.uniform(80.0, 110.0)
+    return Fault(Job(base="native/short-lines.yaml", keys=f"planner: {{mark_speed_mm_s: {speed:.2f}, power: {{law: paper}}}}\n"),
+                 "power_loop_rings", None)
 
 
 @kind(EVERYWHERE, sized=False)
