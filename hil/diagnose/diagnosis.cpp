@@ -25,8 +25,8 @@ bool isOfPulses(const Cause& cause) { return cause.key == kPulsesLost || cause.k
 void merge(std::vector<Cause>& direct, std::vector<Cause>& fitted) {
   for (Cause& seen : direct) {
     const auto same = std::ranges::find_if(fitted, [&](const Cause& cause) {
-      return (isOfPulses(seen) && isOfPulses(cause)) ||
-             (seen.key == "dir_timing" && (cause.key == "axis_slipped" || cause.key == "stepper_pulled_out"));
+      return (isOfPulses(seen) && isOfPulses(cause)) || (seen.key == "loop_soft" && cause.key == seen.key) ||
+             (seen.key == "dir_timing" && (cause.key == "axis_slipped" || cause.key == kPulledOut));
     });
     if (same == fitted.end()) continue;
     seen.share = same->share;
@@ -77,7 +77,7 @@ Diagnosis diagnose(const Evidence& evidence) {
       return cause.key == "backlash_x" || cause.key == "backlash_y" || cause.key == "axis_slipped";
     });
   // Axes that are swapped, or a gate that is inverted, leave nothing to be fitted.
-  const bool is_elsewhere = has(direct, "stepper_pulled_out");
+  const bool is_elsewhere = has(direct, kPulledOut) || has(direct, kBeamUnseen);
   if (is_elsewhere || has(direct, "axes") || has(direct, "gate_inverted") || has(direct, "encoder_reversed"))
     fitted.causes.clear();
   diagnosis.causes = std::move(direct);
@@ -101,6 +101,7 @@ const std::vector<std::string>& causeKeys() {
                                               "axis_slipped",
                                               "backlash_x",
                                               "backlash_y",
+                                              "beam_unseen",
                                               "belt_ignored",
                                               "dir_timing",
                                               "encoder_reversed",
@@ -122,10 +123,10 @@ const std::vector<std::string>& causeKeys() {
                                               "latency",
                                               "loop_soft",
                                               "mean_speed",
-                                              "others",
                                               "pincushion_missing",
                                               "power_loop_rings",
                                               "power_scale",
+                                              "power_steady",
                                               "program_offset",
                                               "program_rotation",
                                               "program_scale",

@@ -145,22 +145,31 @@ void ofGates(const Evidence& evidence, std::vector<Cause>& causes) {
   }
 }
 
-/// The beam is elsewhere, beyond all that the cameras look at.
+/// No camera sees the beam where its pulses lead it: it is elsewhere, or there is none.
 void ofBeam(const Evidence& evidence, std::vector<Cause>& causes) {
   constexpr double kMost = 0.5;
-  const auto is_stepper = [&](int axis) { return evidence.machine.full_step_pulses[axis] > 0.0; };
+  const bool is_stepper = evidence.machine.full_step_pulses.maxCoeff() > 0.0;
   const bool all_there = std::ranges::all_of(
       evidence.drives, [](const DriveReading& drive) { return !drive.told || drive.told == drive.seen; });
-  if (evidence.beam_unseen < kMost || !evidence.burnt_elsewhere || !all_there || !causes.empty() ||
-      !(is_stepper(0) || is_stepper(1)))
-    return;
-  causes.push_back(direct(
-      "stepper_pulled_out", {},
-      fmt::format(
-          "The beam is not where its pulses lead it, in {:.0f} % of the frames nowhere about there, and all "
-          "pulses are "
-          "there: a stepper was pulled out; ask for less acceleration and speed, or give it more current.",
-          100.0 * evidence.beam_unseen)));
+  if (evidence.beam_unseen < kMost || !all_there || !causes.empty()) return;
+  const double percent = 100.0 * evidence.beam_unseen;
+  if (!evidence.burnt_elsewhere) {
+    causes.push_back(
+        direct(kBeamUnseen, {},
+               fmt::format(
+                   "In {:.0f} % of the frames with the gate open no spot is seen, and nothing is burnt where "
+                   "the cameras "
+                   "look: the laser gives no light (shutter, interlock, supply), or the beam is elsewhere{}.",
+                   percent, is_stepper ? " because a stepper was pulled out" : "")));
+  } else if (is_stepper) {
+    causes.push_back(direct(
+        kPulledOut, {},
+        fmt::format(
+            "The beam is not where its pulses lead it, in {:.0f} % of the frames nowhere about there, and "
+            "all pulses are there: a stepper was pulled out; ask for less acceleration and speed, or "
+            "give it more current.",
+            percent)));
+  }
 }
 
 void ofEntities(const Evidence& evidence, std::vector<Cause>& causes) {
@@ -269,7 +278,8 @@ void ofWords(const Evidence& evidence, std::vector<Cause>& causes) {
             100.0 * evidence.belt_followed)));
   add("gate_inverted", evidence.gate_polarity);
   add("axes", evidence.axes);
-  add("others", evidence.others);
+  add("power_steady", evidence.steady_power);
+  add("loop_soft", evidence.corners);
   if (!evidence.stop.empty()) add("stopped", "The controller stopped by itself: " + evidence.stop + ".");
   if (evidence.encoder_backwards || (evidence.belt && evidence.belt->ratio < 0.0))
     add("encoder_reversed",
@@ -286,7 +296,8 @@ std::vector<Cause> directCauses(const Evidence& evidence) {
   ofKerf(evidence, causes);
   // Axes or a gate that are wrong by far cut elsewhere or all the time: what else is amiss follows from that.
   ofBeam(evidence, causes);
-  const bool is_elsewhere = !causes.empty() && causes.front().key == "stepper_pulled_out";
+  const bool is_elsewhere =
+      !causes.empty() && (causes.front().key == kPulledOut || causes.front().key == kBeamUnseen);
   if (evidence.gate_polarity.empty() && evidence.axes.empty() && !is_elsewhere) {
     ofEntities(evidence, causes);
     ofGates(evidence, causes);

@@ -7,6 +7,10 @@
 
 namespace kerfbench::diagnose {
 
+/// Keys of causes with which the beam is elsewhere than its pulses lead it: nothing else can be fitted.
+inline constexpr const char* kPulledOut = "stepper_pulled_out";
+inline constexpr const char* kBeamUnseen = "beam_unseen";
+
 /// Causes that pins, words, program and pictures show by themselves, in the order in which they weigh.
 std::vector<Cause> directCauses(const Evidence& evidence);
 

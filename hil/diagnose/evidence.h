@@ -162,7 +162,8 @@ struct Evidence {
   std::string stop;           ///< Why the controller stopped by itself, in its words; empty: it did not.
   std::string axes;           ///< Sentence on axes that are swapped, reversed or of another scale by far.
   std::string gate_polarity;  ///< Sentence on a gate that is inverted.
-  std::string others;         ///< Other sentences on causes that pins and drawing alone show.
+  std::string steady_power;   ///< Sentence on a laser that keeps its power where the beam is slow.
+  std::string corners;        ///< Sentence on axes that do not follow at corners.
 };
 
 }  // namespace kerfbench::diagnose

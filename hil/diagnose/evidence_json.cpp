@@ -134,7 +134,8 @@ void scalars(V& v, T& e) {
   v.take(e.ordered_radius_mm), v.take(e.planned_speed_mm_s), v.take(e.sheet_moves),
       v.take(e.encoder_backwards), v.take(e.belt_travel_mm), v.take(e.openings), v.take(e.beam_unseen),
       v.take(e.burnt_elsewhere), v.take(e.belt_followed), v.take(e.drawing_centre_mm);
-  v.take(e.stop), v.take(e.axes), v.take(e.gate_polarity), v.take(e.others);
+  v.take(e.stop), v.take(e.axes), v.take(e.gate_polarity), v.take(e.steady_power);
+  v.take(e.corners);
 }
 
 template <typename T>
@@ -168,7 +169,7 @@ std::string evidenceJson(const Evidence& evidence) {
   Json json;
   Writer writer;
   scalars(writer, evidence);
-  json["version"] = 5;
+  json["version"] = 6;
   json["run"] = writer.json;
   json["machine"] = one(evidence.machine);
   json["spread"] = one(evidence.spread);
@@ -197,7 +198,7 @@ std::string evidenceJson(const Evidence& evidence) {
 Evidence evidenceFromJson(const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    if (json.at("version") != 5) throw std::runtime_error("evidence of a diagnosis: another version");
+    if (json.at("version") != 6) throw std::runtime_error("evidence of a diagnosis: another version");
     Evidence evidence;
     Reader reader(json.at("run"));
     scalars(reader, evidence);

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "hil/diagnose/direct_causes.h"
+
 namespace kerfbench::diagnose {
 namespace {
 
@@ -71,7 +73,7 @@ KnownCause ofPulses(const Evidence& evidence, int axis, const Moment& moment, co
 KnownCause ofHead(const Evidence& evidence, int axis, const Moment& moment, const std::string& key) {
   const bool is_stepper = evidence.machine.full_step_pulses[axis] > 0.0;
   KnownCause cause;
-  cause.key = is_stepper ? "stepper_pulled_out" : "axis_slipped";
+  cause.key = is_stepper ? kPulledOut : "axis_slipped";
   cause.hypothesis = {cause.key, {key}};
   cause.size_of = {key};
   cause.unit = "mm";

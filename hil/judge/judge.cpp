@@ -159,7 +159,8 @@ void findCauses(const scenario::Case& test_case, const source::PinRecording& rec
     PlainCauses plain = plainCauses(test_case, recording, evidence, judgement.result);
     known.gate_polarity = std::move(plain.gate);
     known.axes = std::move(plain.axes);
-    known.others = std::move(plain.others);
+    known.steady_power = std::move(plain.steady_power);
+    known.corners = std::move(plain.corners);
   }
   judgement.diagnosis = diagnose::diagnose(known);
   if (keeps_evidence) judgement.diagnosis_evidence = diagnose::evidenceJson(known);

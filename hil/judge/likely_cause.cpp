@@ -187,13 +187,13 @@ PlainCauses plainCauses(const scenario::Case& test_case, const source::PinRecord
     return causes;
   if (!failing(checks, {"joints", "kerf_width", "line_energy", "dwell", "depth", "even_depth"})) return {};
   const std::vector<diagnose::AskedCut> cuts = askedCuts(test_case, *steps, evidence);
-  if (const auto power = diagnose::steadyPower(cuts)) return {.others = diagnose::sentenceOf(*power)};
+  if (const auto power = diagnose::steadyPower(cuts)) return {.steady_power = diagnose::sentenceOf(*power)};
   const inspect::JointResult* const worst = worstJoint(result.joints);
   if (failing(checks, {"joints"}) == nullptr || worst == nullptr ||
       worst->kind != inspect::JointResult::Kind::kCorner ||
       doubtfulSteps_mm(test_case, evidence) > worst->mm.value)
     return {};
-  return {.others = motionCause(test_case, *steps, evidence, cuts, *worst)};
+  return {.corners = motionCause(test_case, *steps, evidence, cuts, *worst)};
 }
 
 }  // namespace kerfbench::judge

@@ -17,10 +17,11 @@ struct PlainCauses {
   /// The head's axes are swapped, run backwards or have another scale: told where the spot was never seen as
   /// well.
   std::string axes;
-  /// Corners are burnt, or get too much energy, and the laser keeps its power where the beam is slow; or a
-  /// corner is missed though the pulses lead to it while the laser shines: the axes do not follow what they
+  /// Corners are burnt, or get too much energy, and the laser keeps its power where the beam is slow.
+  std::string steady_power;
+  /// A corner is missed though the pulses lead to it while the laser shines: the axes do not follow what they
   /// are asked for.
-  std::string others;
+  std::string corners;
 };
 
 /// `evidence`: the pins' light, belt, gates and pulses.

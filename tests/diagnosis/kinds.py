@@ -229,7 +229,7 @@ def axes_lag(place, f, rng):
 @kind([Place(HEAD, "plate")], sized=False)
 def stepper_pulled_out(place, f, rng):
     """A motor with too little torque for its job."""
-    axis, torque = rng.choice("xy"), 0.04 / (1.0 + f)
+    axis, torque = rng.choice("xy"), 0.02 / (1.0 + f)
     return Fault(Job(base="geared/plate.yaml",
                      keys="planner: {acceleration_mm_s2: 20000, mark_speed_mm_s: 60, jump_speed_mm_s: 400}\n",
                      machine=f"galvo_{axis}: {{stepper: {{holding_torque_n_m: {torque:.5f}, detent_torque_n_m: 0.0005}}}}\n"),

@@ -283,6 +283,7 @@ TEST(Diagnosis, TellsABeamThatAStepperLost) {
   EXPECT_TRUE(isToldSo());
   evidence.burnt_elsewhere = false;
   EXPECT_FALSE(isToldSo()) << "a laser that is dark burns nowhere";
+  EXPECT_EQ(diagnose(evidence).causes.at(0).key, "beam_unseen");
   evidence.burnt_elsewhere = true;
   evidence.axes = "X and Y are swapped.";
   EXPECT_FALSE(isToldSo()) << "axes that are swapped lead the beam elsewhere as well";
