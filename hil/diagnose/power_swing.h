@@ -9,7 +9,7 @@ namespace kerfbench::diagnose {
 /// One opening of the laser's gate in spans of kPowerSpan_s, by the pins alone.
 struct PowerRun {
   std::vector<double> light_share;  ///< Share of each span in which the laser shines; 0 … 1.
-  std::vector<double> speed_mm_s;   ///< Of the beam over the sheet, in the same spans.
+  std::vector<double> speed_mm_s;   ///< The beam's speed over the sheet, in the same spans.
 };
 inline constexpr double kPowerSpan_s = 5e-4;
 
@@ -17,7 +17,7 @@ inline constexpr double kPowerSpan_s = 5e-4;
 struct PowerSwing {
   double share{};     ///< Amplitude over the mean: sqrt(2) times the standard deviation.
   double share_U{};   ///< k = 2, from the number of periods that were seen.
-  double period_s{};  ///< To one span.
+  double period_s{};  ///< Known to one span.
 };
 
 /// Looks where the beam keeps its speed within 5 % for 20 ms or longer: power over speed, by its mean over

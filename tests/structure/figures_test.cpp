@@ -74,6 +74,7 @@ const std::map<std::string, std::size_t>& linesOfPages() {
   static const std::map<std::string, std::size_t> kLines{
       {"docs/explanation/belt-speeds.md", 1},
       {"docs/explanation/diagnosis.md", 1},
+      {"docs/explanation/drawings-of-others.md", 2},
       {"docs/explanation/what-it-is-worth.md", 2},
       {"docs/how-to/calibrate-a-head.md", 2},
       {"docs/reference/papers.md", 1},
