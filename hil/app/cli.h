@@ -14,6 +14,8 @@ void addRecordFrames(CLI::App& app, const cli::CliProgram& program, cli::CliActi
 void addCapture(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 /// compare, history, prune.
 void addHistory(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
+/// The release test of a plan.
+void addSuite(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 void addDoctor(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 /// --unit, --scale, --turn, --shift and --layer of a command that reads drawings.
 void addReadingOptions(CLI::App& command, dieline::DrawingArguments& arguments);

@@ -42,6 +42,8 @@ std::shared_ptr<judge::RunOptions> commonOptions(const CliProgram& program) {
 
 void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
   command.add_option("--results-dir", options.results_dir, "Folder for the results")->capture_default_str();
+  command.add_option("--output", options.output,
+                     "Folder for these results alone, not there yet, instead of one in --results-dir");
   command.add_option("--seed", options.seed,
                      "Seed of all noise and of what the imperfections draw, instead of the scenario's");
   command
@@ -90,6 +92,10 @@ void addRun(CLI::App& app, const CliProgram& program, CliActions& actions) {
   run->add_option("SCENARIO", *scenarios, "Scenario files (fixtures/scenarios/*.yaml)")->required();
   addImageOption(*run, *image);
   addCommonOptions(*run, *options);
+  run->final_callback([=] {
+    if (!options->output.empty() && scenarios->size() > 1)
+      throw CLI::ValidationError("--output", "is for one scenario");
+  });
   actions.add(run, [=] { return runCommand(*scenarios, *image, *options); });
 }
 
@@ -220,6 +226,7 @@ void addInstrument(CLI::App& app, const CliProgram& program) {
 /// In the order of the help.
 void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) {
   addRun(app, program, actions);
+  addSuite(app, program, actions);
   addReplay(app, program, actions);
   addVerify(app, program, actions);
   addHistory(app, program, actions);

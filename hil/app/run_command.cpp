@@ -57,7 +57,7 @@ int replayOne(const Replay& replay, const judge::RunOptions& options) {
   base::Console console(options.quiet);
   scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options, console);
   const fs::path& recording = replay.recording;
-  judge::refuseBlockedRuns(options.results_dir, test_case.scenario.name + "-replay");
+  judge::refuseBlockedRuns(options.results_dir, test_case.scenario.name + "-replay", options.output);
   console.say(fmt::format("{}: {}, replayed from {}", test_case.scenario.name, test_case.scenario.title,
                           recording.string()));
   if (const auto code =
@@ -86,7 +86,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   base::Console console(options.quiet);
   scenario::Case test_case = caseWithOptions(path, image, options, console);
   const scenario::Scenario& scenario = test_case.scenario;
-  judge::refuseBlockedRuns(options.results_dir, scenario.name);
+  judge::refuseBlockedRuns(options.results_dir, scenario.name, options.output);
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
   live::refuseKerfPictures(test_case);
   if (const auto code = refusedByWitness(test_case, scenario.name, options, stopwatch, console)) return *code;

@@ -140,7 +140,7 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
   if (test_case.scenario.cameras.spot.is_real)
     report.model.partings = spotPartings(report.spot, truth.exposures, report.result.cuts);
 
-  RunFolder folder(options.results_dir, conclusion.folder_name);
+  RunFolder folder(options.results_dir, conclusion.folder_name, options.output);
   report.evidence.insert(report.evidence.begin(),
                          {"pins", writePins(folder.staging(), test_case, run, conclusion)});
   if (!diagnosis_evidence.empty())
@@ -178,7 +178,7 @@ int concludeUnrun(const scenario::Case& test_case, const std::string& folder_nam
   report.model = modelFacts(test_case.scenario, {});
   report.result.verdict = inspect::Verdict::kInvalid;
   report.result.problems = problems;
-  RunFolder folder(options.results_dir, folder_name);
+  RunFolder folder(options.results_dir, folder_name, options.output);
   base::writeFileAtomically(folder.staging() / "scenario.yaml", test_case.scenario.text);
   tellVerdict(report, console);
   report.timing = stopwatch.stages();

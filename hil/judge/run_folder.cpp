@@ -71,15 +71,11 @@ void adoptOlderResults(const fs::path& name_folder) {
   fs::rename(parent, name_folder);
 }
 
-/// A link is exchanged in one step: by a new one that takes its name.
-void linkLatest(const fs::path& run_folder) {
-  const fs::path link = run_folder.parent_path() / kLatestRun;
-  const fs::path fresh =
-      run_folder.parent_path() / fmt::format(".{}.{}", kLatestRun, run_folder.filename().string());
-  std::error_code ignored;
-  fs::remove(fresh, ignored);
-  fs::create_directory_symlink(run_folder.filename(), fresh);
-  fs::rename(fresh, link);
+/// Absolute and without a slash at its end; empty for an empty one.
+fs::path wholePath(const fs::path& path) {
+  if (path.empty()) return {};
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
 }
 
 }  // namespace
@@ -104,7 +100,21 @@ bool isRunFolderName(const std::string& name) {
   return rest.empty() || (rest.front() == '-' && areDigits(rest.substr(1), "0123456789"));
 }
 
-void refuseBlockedRuns(const fs::path& results_dir, const std::string& name) {
+void linkLatest(const fs::path& folder) {
+  const fs::path link = folder.parent_path() / kLatestRun;
+  const fs::path fresh = folder.parent_path() / fmt::format(".{}.{}", kLatestRun, folder.filename().string());
+  std::error_code ignored;
+  fs::remove(fresh, ignored);
+  fs::create_directory_symlink(folder.filename(), fresh);
+  fs::rename(fresh, link);
+}
+
+void refuseBlockedRuns(const fs::path& results_dir, const std::string& name, const fs::path& output) {
+  if (!output.empty()) {
+    if (!fs::exists(fs::symlink_status(output))) return;
+    throw base::InputError(fmt::format(
+        "{} is there already; --output makes a folder of its own for the results", output.string()));
+  }
   const fs::path folder = fs::absolute(results_dir) / name;
   const auto refuse = [](const fs::path& place, const char* what) {
     throw base::InputError(
@@ -118,10 +128,20 @@ void refuseBlockedRuns(const fs::path& results_dir, const std::string& name) {
   if (fs::exists(latest) && !fs::is_symlink(latest)) refuse(folder / kLatestRun, "link");
 }
 
-RunFolder::RunFolder(const fs::path& results_dir, const std::string& name)
-    : name_folder_(fs::absolute(results_dir) / name), folder_(std::in_place, results_dir, name) {}
+RunFolder::RunFolder(const fs::path& results_dir, const std::string& name, const fs::path& output)
+    : name_folder_(fs::absolute(results_dir) / name), output_(wholePath(output)) {
+  if (output_.empty())
+    folder_.emplace(results_dir, name);
+  else
+    folder_.emplace(output_.parent_path(), output_.filename().string());
+}
 
 void RunFolder::commit(std::chrono::system_clock::time_point ended, const std::string& digest) {
+  if (!output_.empty()) {
+    place_ = output_;
+    folder_->commitTo(place_);
+    return;
+  }
   adoptOlderResults(name_folder_);
   fs::create_directories(name_folder_);
   place_ = freePlace(name_folder_, runFolderName(ended, digest));

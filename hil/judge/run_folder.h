@@ -20,17 +20,26 @@ std::string runFolderName(std::chrono::system_clock::time_point ended, const std
 bool isRunFolderName(const std::string& name);
 
 /// Refuses before anything runs what would keep commit() of a RunFolder from its place: a file where the
-/// folder of the scenario should be, or something else than a link by the name of kLatestRun in it.
+/// folder of the scenario should be, or something else than a link by the name of kLatestRun in it; or
+/// anything in the place of `output`.
 /// @throws base::InputError.
-void refuseBlockedRuns(const std::filesystem::path& results_dir, const std::string& name);
+void refuseBlockedRuns(const std::filesystem::path& results_dir, const std::string& name,
+                       const std::filesystem::path& output = {});
+
+/// Makes the link `latest` beside a folder lead to it; one that is there is exchanged in one step.
+/// @throws std::system_error.
+void linkLatest(const std::filesystem::path& folder);
 
 /// The results of one run among those of the same scenario: results_dir/NAME/DATE-DIGEST, which appears whole
 /// or not at all, and NAME/latest, a link to it. Nothing of earlier runs is replaced. Results that an older
-/// bench left in NAME itself move into a folder beside the new one.
+/// bench left in NAME itself move into a folder beside the new one. With an `output` the results are that
+/// folder, and no link is made.
 class RunFolder {
  public:
-  /// @throws std::system_error if `results_dir` cannot be made or written.
-  RunFolder(const std::filesystem::path& results_dir, const std::string& name);
+  /// @throws std::system_error if `results_dir`, or the folder that `output` is to be in, cannot be made or
+  /// written.
+  RunFolder(const std::filesystem::path& results_dir, const std::string& name,
+            const std::filesystem::path& output = {});
 
   /// Where to write.
   [[nodiscard]] const std::filesystem::path& staging() const { return folder_->staging(); }
@@ -42,6 +51,7 @@ class RunFolder {
 
  private:
   std::filesystem::path name_folder_;
+  std::filesystem::path output_;  ///< Absolute; empty: the place is one in name_folder_.
   std::filesystem::path place_;
   std::optional<ResultsFolder> folder_;
 };
