@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "hil/base/yaml_reader.h"
+
 namespace kerfbench::suite {
 
 /// What a run must come to for the suite to be good.
@@ -64,6 +66,7 @@ struct Plan {
   std::string name;            ///< Names the folder of its results.
   std::string title;
   std::size_t stop_after{};  ///< No run is started after so many that were not as expected; 0: all are run.
+  std::vector<base::YamlReader::Asked> keys;  ///< Asked for: docs/reference/suite.md is held against them.
   std::vector<PlannedRun> runs;  ///< In the order of the file; files of a pattern by name, then by seed.
 };
 

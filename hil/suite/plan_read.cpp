@@ -75,6 +75,7 @@ class PlanReader {
     if (entries.empty()) file_.fault("runs", "a plan has at least one run");
     for (std::size_t i = 0; i < entries.size(); ++i)
       addEntry(entries[i], usual, file_.placeOf(fmt::format("runs[{}].scenario", i)));
+    plan_.keys = file_.asked();
     refuse();
     return std::move(plan_);
   }

@@ -15,6 +15,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/inspect/check_names.h"
 #include "tests/docs/key_tables.h"
 
 namespace kerfbench::inspect {
@@ -67,6 +68,11 @@ TEST(CheckNames, AreTheSectionsOfTheirPage) {
   const Names names = namesInTheSources();
   EXPECT_GE(names.size(), 20U);
   EXPECT_EQ(sectionsOfThePage("checks.md"), names);
+}
+
+TEST(CheckNames, AreThoseThatAPlanMayName) {
+  EXPECT_EQ(Names(kCheckNames.begin(), kCheckNames.end()), namesInTheSources());
+  EXPECT_EQ(Names(kCheckNames.begin(), kCheckNames.end()).size(), kCheckNames.size());
 }
 
 TEST(CheckNames, OfCutsInSpaceAreTheSectionsOfTheirPage) {

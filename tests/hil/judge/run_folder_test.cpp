@@ -72,6 +72,27 @@ TEST(RunFolder, ATakenNameGetsANumber) {
   EXPECT_EQ(base::contentOf(first / "verdict.json"), "first");
 }
 
+TEST(RunFolder, AnOutputIsTheResultsThemselves) {
+  const base::TempFolder temp;
+  const fs::path output = temp.path() / "one/run/";
+  {
+    RunFolder folder(temp.path() / "results", "label", output);
+    writeTo(folder.staging() / "verdict.json", "{}");
+    EXPECT_FALSE(fs::exists(output));
+    folder.commit(kEnd, kDigest);
+    EXPECT_EQ(folder.place(), temp.path() / "one/run");
+  }
+  EXPECT_THAT(namesIn(temp.path() / "one"), UnorderedElementsAre("run"));
+  EXPECT_THAT(namesIn(output), UnorderedElementsAre("verdict.json", kResultsList));
+  EXPECT_FALSE(fs::exists(temp.path() / "results"));
+  // What is there is neither replaced nor added to.
+  EXPECT_THROW(refuseBlockedRuns("results", "label", output), base::InputError);
+  EXPECT_NO_THROW(refuseBlockedRuns("results", "label", temp.path() / "one/other"));
+  RunFolder second("results", "label", output);
+  EXPECT_THROW(second.commit(kEnd, kDigest), std::system_error);
+  EXPECT_THAT(namesIn(output), UnorderedElementsAre("verdict.json", kResultsList));
+}
+
 TEST(RunFolder, WithoutACommitNothingIsLeft) {
   const base::TempFolder temp;
   {
