@@ -22,12 +22,12 @@ struct JobFolder {
     kUnfinished,   ///< The job was begun here, and neither ended nor was recorded.
     kWhole,        ///< The result of these inputs, as it was recorded; `end` is set.
     kOtherInputs,  ///< A result, but one of other inputs.
-    kDamaged,  ///< It is not as it was recorded: files changed, missing or added; or the record is broken.
-    kForeign,  ///< No job wrote it, or a bench whose records this one does not read.
+    kDamaged,      ///< Files were changed, are missing or were added since; or the record is broken.
+    kForeign,      ///< No job wrote it, or a bench whose records this one does not read.
   };
   State state{State::kAbsent};
   std::string why{};            ///< A sentence that names the folder; empty for kAbsent and kWhole.
-  std::optional<JobEnd> end{};  ///< Of kWhole.
+  std::optional<JobEnd> end{};  ///< How the job ended, of kWhole.
 };
 
 /// Looks at the folder and reads all of it.

@@ -38,7 +38,7 @@ struct ChildStart {
   [[noreturn]] void run() const {
     (void)::setpgid(0, 0);
     (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) ::_exit(127);  // It ended before the line above.
+    if (::getppid() != parent) ::_exit(127);  // The parent has ended before the line above.
     sigset_t none;
     ::sigemptyset(&none);
     (void)::sigprocmask(SIG_SETMASK, &none, nullptr);

@@ -16,7 +16,7 @@ namespace kerfbench::batch {
 /// How a job came out.
 struct JobOutcome {
   JobEnd end;
-  bool kept{};          ///< Its folder held a whole result already: it was not run.
+  bool kept{};          ///< The folder held a whole result already: the job was not run.
   int earlier_tries{};  ///< Earlier results of it that were set aside, as NAME.1, NAME.2 … beside its folder.
 };
 

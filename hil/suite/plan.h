@@ -87,9 +87,10 @@ std::string nameOfPlan(const std::filesystem::path& path);
 
 /// Part of a plan that is run. What is empty leaves nothing out.
 struct Selection {
-  std::vector<std::string> tags;                    ///< Runs that have one of these tags,
-  std::vector<std::string> patterns;                ///< whose name one of these patterns (glob(7)) matches,
-  std::optional<std::vector<std::string>> names{};  ///< and that are named here.
+  std::vector<std::string> tags;      ///< A run must have one of these tags.
+  std::vector<std::string> patterns;  ///< The name of a run must match one of these patterns (glob(7)).
+  /// The name of a run must be one of these; nullopt: any will do.
+  std::optional<std::vector<std::string>> names{};
 
   [[nodiscard]] bool all() const { return tags.empty() && patterns.empty() && !names; }
 };

@@ -275,7 +275,7 @@ int listRuns(const Prepared& prepared, base::Console& console) {
             : fmt::format("  [{}]", base::printable(fmt::format("{}", fmt::join(run.tags, ", ")), 200)),
         run.image.empty() ? "" : "  " + run.image.filename().string()));
   }
-  console.say(fmt::format("{} runs, {} left out", prepared.plan.runs.size(), prepared.record.left_out));
+  console.say(fmt::format("{} to run, {} left out", prepared.plan.runs.size(), prepared.record.left_out));
   return 0;
 }
 

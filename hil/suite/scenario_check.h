@@ -45,7 +45,7 @@ class ScenarioChecks {
 
   std::filesystem::path bin_dir_;
   std::map<std::string, ScenarioAnswer> answers_;
-  std::map<std::filesystem::path, std::string> sums_;  ///< Of files that were read.
+  std::map<std::filesystem::path, std::string> sums_;  ///< SHA-256 of files that were read.
 };
 
 /// A scenario that extends another one by limits: keys of `checks`, those in sections with dots between.

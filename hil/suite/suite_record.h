@@ -25,10 +25,10 @@ struct SuiteRecord {
   std::size_t left_out{};
   struct Run {
     std::string inputs;    ///< See inputsOf().
-    std::string expected;  ///< Its expectation and its tags.
+    std::string expected;  ///< Expectation and tags, in words.
     bool operator==(const Run&) const = default;
   };
-  std::vector<std::pair<std::string, Run>> runs;       ///< By name, in their order.
+  std::vector<std::pair<std::string, Run>> runs;  ///< Names and what was recorded, in the order of the plan.
   std::map<std::filesystem::path, std::string> files;  ///< All on which a run depends -> SHA-256.
 };
 

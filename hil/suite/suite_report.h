@@ -11,7 +11,7 @@ namespace kerfbench::suite {
 
 /// Name of the summary in the folder of a suite.
 inline constexpr const char* kSummary = "summary.json";
-/// Its schema_version.
+/// The schema_version of summary.json.
 inline constexpr int kSummarySchema = 1;
 
 /// The table for a terminal: a line for each run, what is not as expected with the reason below it.

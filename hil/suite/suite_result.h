@@ -18,7 +18,7 @@ namespace kerfbench::suite {
 enum class Outcome {
   kAsExpected,
   kNotAsExpected,
-  kBroken,  ///< It gave no verdict: its input was refused, it crashed, it was not there.
+  kBroken,  ///< No verdict came of it: a refused input, a crash, a program that is not there.
   kNotRun,
 };
 /// "as expected", "not as expected", "broken", "not run".

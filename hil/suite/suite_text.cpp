@@ -11,7 +11,7 @@
 namespace kerfbench::suite {
 namespace {
 
-constexpr std::size_t kLongestText = 1000;  // Of a reason, in bytes.
+constexpr std::size_t kLongestText = 1000;  // Bytes of a reason.
 
 std::string runs(std::size_t count) { return fmt::format("{} run{}", count, count == 1 ? "" : "s"); }
 

@@ -63,7 +63,8 @@ class SmallSuite {
   /// Outcomes of the runs in their order, with blanks between.
   [[nodiscard]] std::string outcomes() const {
     std::string text;
-    for (const auto& run : summary().at("runs"))
+    const nlohmann::json all = summary();
+    for (const auto& run : all.at("runs"))
       text += (text.empty() ? "" : ", ") + run.at("outcome").get<std::string>();
     return text;
   }
