@@ -12,7 +12,12 @@ namespace kerfbench::batch {
 StopSignals::StopSignals() {
   sigset_t stopping;
   ::sigemptyset(&stopping);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&stopping, signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction now {};
+    // A blocked signal is never ignored: it would come all the same.
+    const bool is_ignored = ::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+    if (!is_ignored) ::sigaddset(&stopping, signal);
+  }
   const int error = ::pthread_sigmask(SIG_BLOCK, &stopping, &before_);
   if (error != 0) throw std::system_error(error, std::generic_category(), "cannot block signals");
   fd_ = base::UniqueFd(::signalfd(-1, &stopping, SFD_CLOEXEC | SFD_NONBLOCK));

@@ -10,7 +10,8 @@
 namespace kerfbench::batch {
 
 /// Keeps SIGINT, SIGTERM and SIGHUP from ending the process as long as this lives, and says that they came.
-/// To be made before any other thread is: one that does not block them would be ended by them.
+/// One that the process ignores, as below nohup, stays ignored. To be made before any other thread is: one
+/// that does not block them would be ended by them.
 class StopSignals {
  public:
   /// @throws std::system_error.

@@ -91,8 +91,6 @@ struct Selection {
   std::vector<std::string> patterns;  ///< The name of a run must match one of these patterns (glob(7)).
   /// The name of a run must be one of these; nullopt: any will do.
   std::optional<std::vector<std::string>> names{};
-
-  [[nodiscard]] bool all() const { return tags.empty() && patterns.empty() && !names; }
 };
 
 /// Leaves in the plan what is selected. Returns how many runs were left out.

@@ -31,11 +31,15 @@ bool isName(const std::string& name) {
   return !name.empty() && name.front() != '.' && name.find_first_not_of(kAllowed) == std::string::npos;
 }
 
-/// Files that a pattern matches, sorted by name.
+/// Files that a pattern matches, sorted by name. Characters of patterns in `folder` stand for themselves.
 std::vector<fs::path> filesOf(const fs::path& folder, const std::string& pattern) {
+  std::string whole;
+  for (const char c : folder.string())
+    whole += (std::string_view("*?[\\").find(c) != std::string_view::npos ? "\\" : "") + std::string(1, c);
+  if (fs::path(pattern).is_absolute()) whole.clear();
   glob_t found{};
   std::vector<fs::path> files;
-  if (::glob((folder / pattern).c_str(), 0, nullptr, &found) == 0) {
+  if (::glob((whole.empty() ? pattern : whole + "/" + pattern).c_str(), 0, nullptr, &found) == 0) {
     for (std::size_t i = 0; i < found.gl_pathc; ++i)
       files.emplace_back(fs::path(found.gl_pathv[i]).lexically_normal());
   }

@@ -131,8 +131,8 @@ fs::path scenarioOf(const PlannedRun& run, const fs::path& folder) {
   return run.limited_scenario.empty() ? run.scenario : folder / "scenarios" / (run.folderName() + ".yaml");
 }
 
-std::vector<std::string> commandOf(const PlannedRun& run, const fs::path& folder,
-                                   const SuiteOptions& options) {
+std::vector<std::string> commandOf(const PlannedRun& run, const fs::path& folder, const SuiteOptions& options,
+                                   int at_once) {
   const fs::path job = jobFolder(folder, run);
   std::vector<std::string> command{fs::absolute(options.program).string(),
                                    "run",
@@ -142,7 +142,7 @@ std::vector<std::string> commandOf(const PlannedRun& run, const fs::path& folder
                                    "--results-dir",
                                    job.string(),
                                    "--jobs",
-                                   std::to_string(std::max(1, options.processors / options.jobs)),
+                                   std::to_string(std::max(1, options.processors / at_once)),
                                    options.pictures ? "--pictures" : "--no-pictures"};
   const auto add = [&](const char* option, const std::string& value) {
     command.insert(command.end(), {option, value});
@@ -184,10 +184,11 @@ class Suite {
       result_.image_sha256 = base::sha256File(prepared.record.image);
     }
     stop_after_ = options.stop_after.value_or(prepared.plan.stop_after);
+    at_once_ = std::clamp(options.jobs, 1, static_cast<int>(prepared.plan.runs.size()));
     for (std::size_t i = 0; i < prepared.plan.runs.size(); ++i) {
       const PlannedRun& run = prepared.plan.runs[i];
       result_.rows.push_back({.run = run});
-      jobs_.push_back({run.name, commandOf(run, folder_, options), jobFolder(folder_, run),
+      jobs_.push_back({run.name, commandOf(run, folder_, options, at_once_), jobFolder(folder_, run),
                        prepared.record.runs[i].second.inputs, run.on_real_pins});
     }
   }
@@ -196,7 +197,7 @@ class Suite {
     batch::StopSignals signals;
     const batch::BatchEnd end = runJobs(
         lock, jobs_,
-        {.at_once = options_.jobs,
+        {.at_once = at_once_,
          .signals = &signals,
          .runs_again = [](const batch::JobEnd& job) { return !hasVerdict(job); },
          .ended = [this](std::size_t job, const batch::JobOutcome& outcome) { return ended(job, outcome); },
@@ -228,7 +229,7 @@ class Suite {
     std::vector<std::string> names;
     for (const std::size_t i : running) names.push_back(jobs_[i].name);
     const double mean_s = ended_ == 0 ? 0.0 : wall_s_ / static_cast<double>(ended_);
-    console_.progress(-1.0, progressText(ended_, jobs_.size(), bad_, mean_s, options_.jobs, names));
+    console_.progress(-1.0, progressText(ended_, jobs_.size(), bad_, mean_s, at_once_, names));
   }
 
   void tellWhyNotRun(std::optional<int> signal) {
@@ -260,6 +261,7 @@ class Suite {
   fs::path folder_;
   SuiteResult result_;
   std::vector<batch::Job> jobs_;
+  int at_once_{1};
   std::size_t stop_after_{};
   std::size_t ended_{}, bad_{};
   std::size_t new_bad_{};  ///< Not as expected since this process began.

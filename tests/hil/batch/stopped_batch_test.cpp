@@ -100,6 +100,19 @@ TEST_F(StoppedBatch, AfterAKillNothingRunsOnAndTheRestRunsLater) {
   EXPECT_FALSE(fs::exists(jobs[1].folder.string() + ".1"));
 }
 
+TEST(StopSignals, WhatTheProcessIgnoresStaysIgnored) {
+  const sighandler_t before = ::signal(SIGHUP, SIG_IGN);
+  {
+    StopSignals signals;
+    ASSERT_EQ(::raise(SIGHUP), 0);
+    EXPECT_FALSE(signals.take().has_value());
+    ASSERT_EQ(::raise(SIGTERM), 0);
+    EXPECT_EQ(signals.take(), SIGTERM);
+    EXPECT_FALSE(signals.take().has_value());
+  }
+  (void)::signal(SIGHUP, before);
+}
+
 /// No file may become longer than a few bytes, as on a disk that is full.
 class FullDisk {
  public:

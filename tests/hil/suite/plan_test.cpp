@@ -167,6 +167,22 @@ TEST_F(SuitePlan, AReleaseTakesThePlaceOfImagesWhereAPassIsExpected) {
   EXPECT_THAT(refused, HasSubstr("d: " + release.string()));
 }
 
+TEST_F(SuitePlan, RealPinsAreKnownSinceTheyRunAlone) {
+  small_.plan(fmt::format("runs: [{{scenario: a.yaml}}, {{scenario: '{}'}}]\n",
+                          base::fixture("scenarios/pins/plate-on-pins.yaml").string()));
+  const Plan plan = read();
+  EXPECT_FALSE(plan.runs[0].on_real_pins);
+  EXPECT_TRUE(plan.runs[1].on_real_pins);
+}
+
+TEST_F(SuitePlan, AFolderMayHaveTheCharactersOfPatterns) {
+  const fs::path folder = small_.folder() / "old [1]*";
+  fs::create_directories(folder);
+  fs::copy_file(small_.folder() / "a.yaml", folder / "a.yaml");
+  std::ofstream(folder / "plan.yaml") << "version: 1\nname: release\nruns: [{scenario: '?.yaml'}]\n";
+  EXPECT_THAT(names(readPlan(folder / "plan.yaml", {small_.folder() / "bin", {}})), ElementsAre("a"));
+}
+
 TEST_F(SuitePlan, SelectionsLeaveOutTheRestAndKnowTheirWords) {
   small_.plan(
       "runs:\n"
