@@ -25,8 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kGrace{5};  // Between SIGTERM and SIGKILL.
-constexpr int kPause_ms = 1000;            // Between two calls of waiting().
+constexpr int kPause_ms = 1000;  // Between two calls of waiting().
 
 void refuseBadFolders(const FolderLock& lock, const std::vector<Job>& jobs) {
   std::set<fs::path> folders;
@@ -156,7 +155,9 @@ class Batch {
       const std::optional<int> signal = options_.signals->take();
       if (!signal) break;
       send(result_.signal ? SIGKILL : SIGTERM);
-      if (!result_.signal) kill_at_ = Clock::now() + kGrace;
+      if (!result_.signal)
+        kill_at_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                      std::chrono::duration<double>(options_.grace_s));
       result_.signal = result_.signal.value_or(*signal);
       stopped_ = true;
     }

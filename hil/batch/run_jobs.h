@@ -24,6 +24,7 @@ struct JobOutcome {
 struct BatchOptions {
   int at_once{1};          ///< So many jobs run beside each other; >= 1.
   StopSignals* signals{};  ///< Stops the batch; may be null.
+  double grace_s{5.0};     ///< Jobs that have not ended so long after a signal are killed; >= 0.
   /// Whether a whole result is of no use, so that the job is to be run again. Empty: every one is kept.
   std::function<bool(const JobEnd&)> runs_again{};
   /// A job has ended and its folder is whole, or it was kept; those that are kept come first. False: no
@@ -49,7 +50,7 @@ struct BatchEnd {
 /// Nothing is lost: a damaged result, and one that runs_again() refuses, is renamed before the job is run
 /// again; only what an interrupted job left behind is removed.
 ///
-/// A signal of options.signals is passed on to the jobs; those that have not ended 5 s later, or when it
+/// A signal of options.signals is passed on to the jobs; those that have not ended grace_s later, or when it
 /// comes once more, are killed. They have no result, and are run when the batch is resumed.
 ///
 /// The children end with the calling thread, however that ends.

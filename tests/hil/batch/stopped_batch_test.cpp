@@ -56,19 +56,34 @@ TEST_F(StoppedBatch, ASignalIsPassedOnAndTheRestRunsLater) {
   EXPECT_EQ(small_.noted(), "a\nb\nb\nc\n");
 }
 
-TEST_F(StoppedBatch, ASecondSignalKillsWhatIgnoresTheFirst) {
-  const NamedPipe begun(small_.folder() / "pipe");
-  const NamedPipe never(small_.folder() / "never");
-  StopSignals signals;
-  bool raised = false;
-  const BatchEnd end =
-      run({small_.job("a", "trap '' TERM; echo > " + begun.path() + "; read never < " + never.path())},
-          {.signals = &signals, .waiting = [&](const std::vector<std::size_t>&) {
-             if (raised) return;
-             (void)begun.line();
-             raised = ::raise(SIGTERM) == 0 && ::raise(SIGINT) == 0;
-           }});
+/// Runs a job that ignores SIGTERM, and sends these signals to this process once it does so.
+class DeafJob : public StoppedBatch {
+ protected:
+  [[nodiscard]] BatchEnd runAndRaise(const std::vector<int>& raised, double grace_s) {
+    bool done = false;
+    return run({small_.job("a", "trap '' TERM; echo > " + begun_.path() + "; read never < " + never_.path())},
+               {.signals = &signals_, .grace_s = grace_s, .waiting = [&](const std::vector<std::size_t>&) {
+                  if (done) return;
+                  (void)begun_.line();
+                  for (const int signal : raised) EXPECT_EQ(::raise(signal), 0);
+                  done = true;
+                }});
+  }
+  const NamedPipe begun_{small_.folder() / "pipe"};
+  const NamedPipe never_{small_.folder() / "never"};
+  StopSignals signals_;
+};
+
+TEST_F(DeafJob, IsKilledByASecondSignal) {
+  constexpr double kForEver_s = 1e6;
+  const BatchEnd end = runAndRaise({SIGTERM, SIGINT}, kForEver_s);
   EXPECT_TRUE(end.signal.has_value());
+  EXPECT_FALSE(end.jobs[0].has_value());
+}
+
+TEST_F(DeafJob, IsKilledWhenItsGraceIsOver) {
+  const BatchEnd end = runAndRaise({SIGTERM}, 0.0);
+  EXPECT_EQ(end.signal, SIGTERM);
   EXPECT_FALSE(end.jobs[0].has_value());
 }
 
