@@ -108,7 +108,7 @@ const inspect::Check* nearestToLimit(const RunVerdict& verdict) {
 
 std::string figuresOf(const inspect::Check& check) {
   const std::string u = check.u > 0.0 ? " ± " + report::checkNumber(check, check.u) : std::string();
-  return fmt::format("{}{} (limit {})", report::checkNumber(check, check.value), u,
+  return fmt::format("{}{} (limit {}{})", report::checkNumber(check, check.value), u, check.upper ? "" : "≥ ",
                      report::checkNumber(check, check.limit));
 }
 

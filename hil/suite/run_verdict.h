@@ -31,7 +31,8 @@ RunVerdict readRunVerdict(const std::filesystem::path& results);
 
 /// The check that came nearest to its limit, of those with an upper limit > 0; null: there is none.
 const inspect::Check* nearestToLimit(const RunVerdict& verdict);
-/// "0.0312 mm ± 0.0040 mm (limit 0.05 mm)"; what is counted has no uncertainty.
+/// "0.0312 mm ± 0.0040 mm (limit 0.0500 mm)", "4.50 µs (limit ≥ 0.00 µs)"; what is counted has no
+/// uncertainty.
 std::string figuresOf(const inspect::Check& check);
 
 }  // namespace kerfbench::suite

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/suite/suite_report.h"
 
+#include <cmath>
 #include <cstdio>
 #include <string>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -111,6 +113,37 @@ TEST(SuiteReport, ASummaryIsJsonWhateverTheNamesAre) {
   EXPECT_EQ(json.at("counts").at("not as expected"), 1);
   EXPECT_EQ(json.at("runs").size(), 4U);
   EXPECT_EQ(json.at("runs")[3].at("result"), nullptr);
+}
+
+TEST(SuiteReport, FiguresSayOnWhichSideTheirLimitIs) {
+  inspect::Check check;
+  check.unit = "us";
+  check.value = 4.5;
+  check.limit = 2.5;
+  check.upper = false;
+  EXPECT_EQ(figuresOf(check), "4.50 µs (limit ≥ 2.50 µs)");
+  check.upper = true;
+  check.u = 0.25;
+  EXPECT_EQ(figuresOf(check), "4.50 µs ± 0.25 µs (limit 2.50 µs)");
+}
+
+TEST(SuiteReport, TheNearestCheckIsThatWithTheLargestShareOfItsLimit) {
+  RunVerdict verdict;
+  for (const auto& [name, value, limit, upper] : {std::tuple{"small", 0.4, 0.5, true},
+                                                  {"large", 9.0, 100.0, true},
+                                                  {"counted", 3.0, 0.0, true},
+                                                  {"least", 5.0, 1.0, false},
+                                                  {"unknown", std::nan(""), 1.0, true}}) {
+    inspect::Check check;
+    check.name = name;
+    check.value = value;
+    check.limit = limit;
+    check.upper = upper;
+    verdict.checks.push_back(check);
+  }
+  ASSERT_NE(nearestToLimit(verdict), nullptr);
+  EXPECT_EQ(nearestToLimit(verdict)->name, "small");
+  EXPECT_EQ(nearestToLimit({}), nullptr);
 }
 
 TEST(SuiteReport, TheSummarysDigestCoversTheRuns) {
