@@ -17,6 +17,7 @@
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/edges/edges.h"
 #include "hil/inspect/evidence/spot_association.h"
+#include "hil/inspect/evidence/whereabouts.h"
 
 namespace kerfbench::inspect {
 namespace {
@@ -211,6 +212,7 @@ void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const 
   for (const Finding& finding : cameraFindings(m, result)) add(finding, result);
   for (const Finding& finding : pinFindings(evidence)) add(finding, result);
   for (Check& check : result.checks) {
+    complete(check.where, m.lit, *evidence.dieline);
     if (const std::string risk = riskSentence(check); !risk.empty()) check.explanation += " " + risk;
   }
   // No reading's value can argue away that a line is not there, that something is burnt elsewhere, or that

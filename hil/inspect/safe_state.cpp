@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/evidence/whereabouts.h"
 
 namespace kerfbench::inspect {
 namespace {
@@ -43,6 +44,7 @@ Check laserCheck(const SafeStateEvidence& evidence) {
   double off_s = 0.0;
   for (const GateInterval& gate : evidence.gates) off_s = std::max(off_s, gate.off_s);
   const double due_s = demand.cause_s + demand.window_s;
+  check.where = atTime(demand.cause_s);
   check.value = 1e3 * std::max(off_s - due_s, 0.0);
   decide(check);
   const std::string from = demand.window_s > 0.0
@@ -59,6 +61,7 @@ Check stopCheck(const SafeStateEvidence& evidence) {
   Check check{.name = "safe_stop", .title = "The axes come to rest and stay there", .unit = "ms"};
   check.limit = 1e3 * (demand.window_s + kLaserOff_s + demand.stop_s);
   check.value = 1e3 * std::max(evidence.last_pulse_s - demand.cause_s, 0.0);
+  check.where = atTime(evidence.last_pulse_s > demand.cause_s ? evidence.last_pulse_s : demand.cause_s);
   decide(check);
   check.explanation =
       evidence.last_pulse_s <= demand.cause_s
@@ -77,6 +80,7 @@ Check reportCheck(const SafeStateEvidence& evidence) {
     return report.stopped && report.time_s >= demand.cause_s - early_s;
   });
   const bool told = first != evidence.reports.end();
+  check.where = atTime(told ? first->time_s : demand.cause_s);
   check.value = 1e3 * std::max((told ? first->time_s : evidence.end_s) - demand.cause_s, 0.0);
   decide(check);
   if (!told) {

@@ -11,6 +11,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "hil/inspect/evidence/whereabouts.h"
 
 namespace kerfbench::inspect::checks {
 namespace {
@@ -94,6 +95,7 @@ Finding beltCheck(const Evidence& evidence, const Tolerances& limits, const LitF
   check.value = extreme.value();
   check.u = check.guard = extreme.expandedU();
   check.subject = fmt::format("unit {}", worst->first->unit);
+  check.where = inFrame(*worst->first);
   // Which of the two is wrong cannot be told from here: no proof against a release.
   if (decide(check) == Verdict::kFail) check.verdict = Verdict::kInvalid;
   check.explanation = fmt::format(

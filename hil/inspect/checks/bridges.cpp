@@ -12,6 +12,7 @@
 
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/evidence/whereabouts.h"
 
 namespace kerfbench::inspect::checks {
 namespace {
@@ -146,6 +147,7 @@ std::map<int, int> outlinesOf(const dieline::Dieline& dieline) {
 struct Worst {
   Bridges bridges;
   std::string subject;
+  Whereabouts where;
   std::size_t lines{1};
 };
 
@@ -162,8 +164,9 @@ Finding bridgesCheck(const Evidence& evidence, const Tolerances& limits) {
     if (outline == outlines.end() || kerf.calipers.empty()) continue;
     const Bridges own = bridgesOf(kerf, entityOf(evidence, kerf.entity).curve, limits);
     const std::string name = nameOf(kerf.unit, kerf.entity);
-    all.push_back({own, name});
-    const auto [group, is_new] = together.try_emplace({kerf.unit, outline->second}, Worst{own, name});
+    const Whereabouts where = onLine(kerf.unit, kerf.entity);
+    all.push_back({own, name, where});
+    const auto [group, is_new] = together.try_emplace({kerf.unit, outline->second}, Worst{own, name, where});
     if (is_new) continue;
     group->second.bridges.add(own);
     ++group->second.lines;
@@ -175,6 +178,7 @@ Finding bridgesCheck(const Evidence& evidence, const Tolerances& limits) {
   check.value = bridges.share();
   if (check.value > 0.0) check.u = check.guard = bridges.shareU();
   check.subject = worst.subject;
+  check.where = worst.where;
   decide(check);
   if (bridges.count < 2) {
     check.explanation = fmt::format("None of {} cuts has more than one uncut piece.", outlines.size());

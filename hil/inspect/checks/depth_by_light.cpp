@@ -11,6 +11,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
 
@@ -263,6 +264,7 @@ Finding orderedDepthCheck(const Evidence& evidence, const Tolerances& limits) {
   decide(check);
   const Tolerances::OrderedDepth& order = *orderOf(worst->chain->process, limits);
   check.subject = nameOf(worst->chain->unit, worst->chain->entity);
+  check.where = atPlace(worst->chain->unit, worst->chain->entity, worst_block->middle->p_S_mm);
   check.explanation = fmt::format(
       "Nearest to the bounds, or farthest beyond, is the {} at {}: {:.1f} ± {:.1f} % of the board deep in "
       "its "
@@ -372,6 +374,7 @@ Finding evenDepthCheck(const Evidence& evidence, const Tolerances& limits) {
     return check;
   }
   check.subject = nameOf(worst->chain->unit, worst->chain->entity);
+  check.where = atPlace(worst->chain->unit, worst->chain->entity, worst_block->middle->p_S_mm);
   check.explanation = fmt::format(
       "Of {} stretches of {:g} mm the one at {} is off the most: {:.2f} % {} than is usual for its process "
       "({}, about {:.0f} % of the board); the first and last {:g} mm of a line are left out. The light tells "

@@ -13,6 +13,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/deviation/worst_deviation.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "hil/vision/kerf/kerf_profile.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
@@ -172,9 +173,11 @@ std::vector<EntityResult> measureEntities(const Evidence& evidence, const Tolera
     e.rms_U_mm = d.rms.U;
     e.coverage = coverageOf(evidence, kerf, limits);
     e.uncut_mm = longestUncut(evidence, kerf, limits).length_mm;
-    e.width_mm = deviations.widths[k].value;
-    e.width_U_mm = deviations.widths[k].U;
-    e.width_own_U_mm = deviations.width_own_U[k];
+    // What is no wider than nothing is no kerf: its calipers were set on light of others.
+    const bool is_kerf = deviations.widths[k].value > 0.0;
+    e.width_mm = is_kerf ? deviations.widths[k].value : kNan;
+    e.width_U_mm = is_kerf ? deviations.widths[k].U : kNan;
+    e.width_own_U_mm = is_kerf ? deviations.width_own_U[k] : kNan;
     e.circularity_mm = deviations.circularity[k].value;
     e.circularity_U_mm = deviations.circularity[k].U;
     e.passes = kNan;
@@ -245,12 +248,17 @@ Check pathCheck(const Evidence& evidence, const Tolerances& limits, const Deviat
   const vision::EntityKerf& kerf = evidence.kerf.entities[all.line];
   const vision::Caliper& worst = kerf.calipers[all.caliper];
   check.subject = nameOf(kerf.unit, kerf.entity);
+  check.where = atPlace(kerf.unit, kerf.entity, worst.p_S_mm);
   check.explanation = fmt::format(
       "Of {} readings, smoothed along their lines, the farthest off is {:.4f} mm to the {} of the line at "
       "{}, "
       "station {:.2f} mm; the value allows for picking the largest of so many.",
       readings, all.worst_as_read, sideOf(worst.offset_mm), placeOf(worst.p_S_mm), worst.station_mm);
-  if (silent > 0) check.explanation += fmt::format(" {} entities gave no reading; see coverage.", silent);
+  if (silent > 0) {
+    // Where they lie is not known: farther off, or nowhere.
+    check.at_least = check.verdict == Verdict::kFail;
+    check.explanation += fmt::format(" {} entities gave no reading; see coverage.", silent);
+  }
   return check;
 }
 

@@ -11,6 +11,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/evidence/emitted_light.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
 
@@ -141,6 +142,7 @@ Finding dwellCheck(const Evidence& evidence, const Tolerances& limits, const Lit
   check.value = rest.light_s / of_cuts_s_mm + open_mm;
   check.u = check.guard = 2.0 * kPlace_mm + open_mm;
   check.subject = nameOf(*rest.at);
+  check.where = inFrame(*rest.at);
   decide(check);
   check.explanation = fmt::format(
       "The most light on one place of {:.1f} mm fell at {:.3f} s, {}, within {:.1f} ms: as much as {:.2f} mm "

@@ -12,6 +12,7 @@
 #include "hil/inspect/checks/cut_readings.h"
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/deviation/worst_deviation.h"
+#include "hil/inspect/evidence/whereabouts.h"
 
 namespace kerfbench::inspect::checks {
 namespace {
@@ -44,6 +45,16 @@ void measureOffset(const CutReadings& readings, double q, double by_pixel_mm, Cu
 
 double placeInPixelSigma_mm(const Evidence& evidence) {
   return evidence.spot_calibration ? kPlaceInPixel_px * evidence.spot_calibration->pitchMm() : 0.0;
+}
+
+Whereabouts farthestFrame(const CutResult& cut, double from_mm) {
+  Whereabouts where = onLine(cut.unit, cut.entity);
+  const auto farthest = std::ranges::max_element(
+      cut.residual_mm, {}, [from_mm](double residual_mm) { return std::abs(residual_mm - from_mm); });
+  if (farthest == cut.residual_mm.end()) return where;
+  where.time = Whereabouts::Time::kFrame;
+  where.time_s = cut.time_s[static_cast<std::size_t>(farthest - cut.residual_mm.begin())];
+  return where;
 }
 
 void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>& readings, double q,
@@ -90,11 +101,17 @@ Finding excursionCheck(const Tolerances& limits, const Stillness& stillness) {
   check.u = check.guard = stillness.worst_excursion_mm.U;
   check.chance_beyond = stillness.excursion_chance_beyond;
   check.subject = nameOf(worst.unit, worst.entity);
+  check.where = farthestFrame(worst, worst.offset_mm);
   decide(check);
   check.explanation = fmt::format(
       "In the cut of {} at {:.3f} s the spot strayed by {:.4f} mm from its mean place on the sheet, farther "
       "than in any other; that place lies {:+.4f} mm from the line, standard uncertainty {:.4f} mm.",
       check.subject, worst.start_s, check.value, worst.offset_mm, worst.offset_sigma_mm);
+  if (worst.lost > 0)
+    check.explanation += fmt::format(
+        " {} frames of that cut show it more than {:g} mm from the line, which is as far as lines are looked "
+        "for: they are left out.",
+        worst.lost, kSearch_mm);
   return check;
 }
 

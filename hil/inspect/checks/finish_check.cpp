@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/evidence/whereabouts.h"
 
 namespace kerfbench::inspect {
 namespace {
@@ -74,6 +75,7 @@ Check finishCheck(const ControllerEnd& end, const std::vector<GateInterval>& gat
     check.value = 0.0;
   }
   check.subject = end.fault;
+  if (end.said != Said::kNothing) check.where = atTime(end.time_s);
   check.explanation = explanationOf(end, gates);
   decide(check);
   return check;

@@ -11,6 +11,7 @@
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "hil/vision/kerf/kerf_profile.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
@@ -138,6 +139,7 @@ Finding depthCheck(const Evidence& evidence, const Tolerances& limits) {
     return check;
   }
   check.subject = nameOf(worst->unit, worst->entity);
+  check.where = onLine(worst->unit, worst->entity);
   check.explanation =
       longest.least_mm == longest.most_mm
           ? fmt::format("{} is cut through over {:.2f} mm without a break, longer than any other.",
@@ -184,6 +186,7 @@ Check kerfWidthCheck(const Evidence& evidence, const Tolerances& limits,
   }
   const dieline::Process process = entityOf(evidence, worst->entity).process;
   check.subject = nameOf(worst->unit, worst->entity);
+  check.where = onLine(worst->unit, worst->entity);
   check.explanation = fmt::format(
       "{} is {:.3f} mm wide, {:.3f} mm {} than is usual for its process ({}, {:.3f} mm).", check.subject,
       worst->width_mm, std::abs(worst_change_mm), worst_change_mm < 0.0 ? "narrower" : "wider",
@@ -252,6 +255,7 @@ Finding laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
       check.u = check.guard = gap.gap_mm > 0.0 ? 0.25 * gap.pitch_mm : 0.0;
       check.subject = nameOf(kerf.unit, kerf.entity);
       at_start = &gap == &gaps[0];
+      check.where = atPlace(kerf.unit, kerf.entity, dieline::pointAt(entity.curve, at_start ? 0.0 : 1.0));
     }
   }
   if (ends == 0) return notApplicable(check, "No line of the dieline ends freely, so none can be short.");

@@ -18,6 +18,7 @@
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/checks/start_place.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
@@ -34,8 +35,6 @@ constexpr double kMaxChiSquare = 9.0;
 
 /// A line shorter than this may have no frame that is its own.
 constexpr double kShortest_mm = 1.0;
-/// An instant so far from the gate comes from a motion that was not seen, but guessed from later frames.
-constexpr double kFarthestLag_s = 0.05;
 
 struct Start {
   double lag_s{};         ///< Gate minus the instant at which the beam set off; > 0: the gate is late.
@@ -44,6 +43,7 @@ struct Start {
   int unit{};
   int entity{};
   double on_s{};
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Where the line begins on the sheet.
 };
 
 /// Arc length from an end of the curve (u = 0 or 1) inwards to the place nearest to p. Before that end, as
@@ -186,6 +186,7 @@ struct RestEvidence {
 /// The first stretch of a cut, as seen.
 struct SeenStart {
   const LitFrame* first{};
+  Eigen::Vector2d start_mm{Eigen::Vector2d::Zero()};
   std::vector<Place> places;
   StartPlace known;
   std::optional<StartPlace> kerf;
@@ -207,7 +208,11 @@ std::optional<SeenStart> seenWithin(double stretch_mm, const Evidence& evidence,
   if (beginsElsewhere(evidence, lit, gate, first, start_u)) return std::nullopt;
   // A line that ends in a corner is braked from its middle on.
   const double farthest_mm = std::min(stretch_mm, 0.4 * dieline::lengthOf(curve));
-  SeenStart seen{&first, {}, {}, kerfStart(rest.joints, first.unit, first.entity, forward)};
+  SeenStart seen{&first,
+                 dieline::pointAt(curve, start_u),
+                 {},
+                 {},
+                 kerfStart(rest.joints, first.unit, first.entity, forward)};
   for (const LitFrame* frame : frames) {
     const double way_mm = wayFromEnd(curve, forward, frame->p_S_mm);
     if (way_mm > farthest_mm) break;
@@ -265,9 +270,11 @@ std::optional<Start> startWithin(double stretch_mm, double limit_s, const Eviden
   const auto set_off = setOffOf(*seen, limit_s);
   if (!set_off) return std::nullopt;
   const auto& [law, rested] = *set_off;
-  if (std::abs(rested.fit.t0_s) > kFarthestLag_s) return std::nullopt;
+  // An instant farther from the gate than the last frame that shows the start is not seen, but guessed.
+  if (std::abs(rested.fit.t0_s) > seen->places.back().t_s) return std::nullopt;
   return Start{-rested.fit.t0_s,  rested.fit.sigma_s,  restSigma_s(seen->places, law, rested.rest),
-               seen->first->unit, seen->first->entity, gate.on_s};
+               seen->first->unit, seen->first->entity, gate.on_s,
+               seen->start_mm};
 }
 
 std::optional<Start> startOf(double limit_s, const Evidence& evidence, const LitFrames& lit,
@@ -317,6 +324,9 @@ Finding gateLagCheck(const Evidence& evidence, const Tolerances& limits, const L
   // The clocks' relation is off alike at all starts.
   check.u = check.guard = extreme.expandedU() + 1e3 * evidence.clock_bound_s;
   check.subject = nameOf(worst.unit, worst.entity);
+  check.where = atPlace(worst.unit, worst.entity, worst.p_S_mm);
+  check.where.time = Whereabouts::Time::kPins;
+  check.where.time_s = worst.on_s;
   decide(check);
   const double median_ms = medianOf(lags_ms);
   check.explanation = fmt::format(

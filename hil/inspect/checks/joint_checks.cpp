@@ -8,6 +8,7 @@
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "hil/inspect/evidence/whereabouts.h"
 
 namespace kerfbench::inspect::checks {
 namespace {
@@ -129,6 +130,7 @@ Finding jointsCheck(const Evidence& evidence, const Tolerances& limits,
   decide(check);
   const JointResult& named = s.unseen.empty() ? *worst : *s.unseen.front();
   check.subject = nameOf(named.unit, named.entity);
+  check.where = atPlace(named.unit, named.entity, named.p_S_mm);
   if (!s.unseen.empty()) {
     check.explanation =
         fmt::format("{} of {} joints could not be measured; the first is the {} of {}.", s.unseen.size(),

@@ -11,6 +11,7 @@
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "hil/vision/kerf/kerf_profile.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
@@ -263,6 +264,13 @@ Bounds uncutOf(const Evidence& evidence, const Tolerances& limits, std::size_t i
   return {blank_mm, ordered ? blank_mm : uncut_mm};
 }
 
+/// Place of the station that lies nearest to a length along its line.
+Eigen::Vector2d stationAt(const vision::EntityKerf& kerf, double station_mm) {
+  return std::ranges::min_element(
+             kerf.calipers, {}, [&](const vision::Caliper& c) { return std::abs(c.station_mm - station_mm); })
+      ->p_S_mm;
+}
+
 }  // namespace
 
 Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
@@ -292,6 +300,7 @@ Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
   const vision::EntityKerf& kerf = evidence.kerf.entities[worst];
   const dieline::Entity& entity = entityOf(evidence, kerf.entity);
   check.subject = nameOf(kerf.unit, kerf.entity);
+  check.where = onLine(kerf.unit, kerf.entity);
   // Where between two stations a piece begins and ends is known to a quarter of their distance each.
   longest.decideIn(check, pitchOf(kerf));
   const double share = 100.0 * entities[worst].coverage;
@@ -308,6 +317,7 @@ Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
   }
   const Stretch hole = longest.least_mm < longest.most_mm ? longestUncut(evidence, kerf, limits)
                                                           : longestBlank(evidence, kerf, limits);
+  check.where = atPlace(kerf.unit, kerf.entity, stationAt(kerf, hole.from_mm));
   check.explanation = fmt::format(
       "{} of {} entities have an uncut piece of more than {:g} mm; the longest, {:.2f} mm, is on {} ({}, {}) "
       "between station {:.2f} and {:.2f} mm of {:.2f} mm. {:.1f} % of that entity's stations are burnt.",
@@ -340,6 +350,7 @@ Check strayCheck(const Evidence& evidence, const Tolerances& limits) {
     return check;
   }
   check.subject = fmt::format("unit {}", worst->unit);
+  check.where = atPlace(worst->unit, -1, worst->p_S_mm);
   check.explanation =
       fmt::format("Burnt places away from the dieline: {}; the largest is {:.2f} mm long, at {} of unit {}.",
                   evidence.kerf.strays.size(), worst->extent_mm, placeOf(worst->p_S_mm), worst->unit);

@@ -9,6 +9,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "hil/inspect/evidence/spot_association.h"
+#include "hil/inspect/evidence/whereabouts.h"
 
 namespace kerfbench::inspect::checks {
 namespace {
@@ -118,6 +119,7 @@ Finding lineEnergyCheck(const Evidence& evidence, const Tolerances& limits, cons
     return check;
   }
   check.subject = nameOf(worst->unit, worst->entity);
+  check.where = inFrame(*worst);
   check.explanation = fmt::format(
       "Of {} stretches of {:g} mm the one from {} on departs the most from {:g} J/mm: by {:+.2f} %; on "
       "average {:+.2f} %. "

@@ -8,6 +8,7 @@
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/constants.h"
 
 namespace kerfbench::inspect::checks {
@@ -42,6 +43,7 @@ Finding orderedWidthCheck(const Evidence& evidence, const Tolerances& limits,
   check.u = check.guard = extreme.expandedU();
   decide(check);
   check.subject = nameOf(worst->unit, worst->entity);
+  check.where = onLine(worst->unit, worst->entity);
   check.explanation =
       fmt::format("{} is {:.3f} ± {:.3f} mm wide, ordered are {:g} mm; {} of {} cuts were measured.",
                   check.subject, worst->width_mm, worst->width_U_mm, order.nominal_mm, measured, cuts);

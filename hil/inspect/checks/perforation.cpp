@@ -14,6 +14,7 @@
 
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
 
@@ -349,6 +350,7 @@ Finding perforationCheck(const Evidence& evidence, const Tolerances& limits) {
       if (!verdict.worst || verdict.worst->mm <= check.value) continue;
       check.value = verdict.worst->mm;
       check.subject = nameOf(unit, verdict.worst->entity);
+      check.where = onLine(unit, verdict.worst->entity);
       what = verdict.worst->what;
     }
   }

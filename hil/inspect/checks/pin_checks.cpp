@@ -9,6 +9,7 @@
 
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/constants.h"
 
 namespace kerfbench::inspect::checks {
@@ -88,6 +89,7 @@ Check pulseTimingCheck(const Evidence& evidence) {
       pulses, evidence.pulses.size(), violations == 0 ? "none" : std::to_string(violations), worst.kind,
       worst_axis->axis, 1e6 * worst.seen_s, worst_axis->profile.name, 1e6 * worst.required_s, disabled);
   if (worst_axis->first_violation_s >= 0.0) {
+    check.where = atTime(worst_axis->first_violation_s);
     check.explanation +=
         fmt::format(" The first violation on this axis is at {:.6f} s.", worst_axis->first_violation_s);
   }
@@ -118,6 +120,7 @@ Finding interlockCheck(const Evidence& evidence) {
     check.explanation = fmt::format("The guard was opened {} times, and the gate was off each time.",
                                     evidence.guard_open->size());
   } else {
+    check.where = atTime(opened_s);
     check.explanation = fmt::format(
         "The guard opened at {:.6f} s, and the gate was on until {:.4g} ms later.", opened_s, 1e3 * worst_s);
   }
@@ -171,6 +174,7 @@ Check laserGateCheck(const Evidence& evidence, const Tolerances& limits, const L
         fmt::format("The gate was on {} times, but the camera never saw the spot.", gates.size());
     return check;
   }
+  if (check.value > 0.0) check.where = atTime(worst_time_s);
   check.explanation =
       check.value == 0.0
           ? fmt::format("All {} frames with the spot alight fall into one of {} gate intervals.", lit,

@@ -12,6 +12,7 @@
 #include "hil/dieline/outlines.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/checks/spot_checks.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
 
@@ -144,6 +145,7 @@ Check repeatCheck(const Evidence& evidence, const Tolerances& limits, const LitF
     check.value = passes;
     check.u = check.guard = std::min(step_mm / followed.length_mm, 0.25);
     check.subject = nameOf(followed);
+    check.where = onLine(followed.unit, followed.first);
   }
   decide(check);
   if (judged == 0) {

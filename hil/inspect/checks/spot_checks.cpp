@@ -13,6 +13,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
 
@@ -122,18 +123,31 @@ Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const Li
   }
   check.value = extreme.value();
   check.u = check.guard = extreme.expandedU();
-  decide(check);
+  const bool beyond = worst != nullptr && isOffLine(*worst) && worst->distance_mm >= kSearch_mm;
+  if (beyond) {
+    // No line was looked for farther away: the distance itself is not known.
+    check.value = kSearch_mm;
+    check.u = check.guard = 2.0 * std::hypot(worst->sigma_mm, place_u_mm);
+    decideAtLeast(check);
+  } else {
+    decide(check);
+  }
   if (worst == nullptr) {
     check.explanation = "The spot camera saw no spot that could be put on the dieline.";
     return check;
   }
   check.subject = nameOf(*worst);
-  check.explanation = fmt::format(
-      "In {} frames away from corners the spot was at most {:.4f} mm{} from the dieline on the moving sheet, "
-      "at {:.3f} s, "
-      "{}; the limit allows for the noise of a single frame.",
-      count, std::abs(worst_mm), worst_mm >= kSearch_mm ? " or more" : "", worst->time_s,
-      placeOf(worst->p_S_mm));
+  check.where = inFrame(*worst);
+  check.explanation =
+      beyond ? fmt::format(
+                   "Of {} frames away from corners the one at {:.3f} s, {}, shows the spot {:g} mm or more "
+                   "from the dieline on the moving sheet. How much more cannot be said: no line is looked "
+                   "for farther away.",
+                   count, worst->time_s, placeOf(worst->p_S_mm), kSearch_mm)
+             : fmt::format(
+                   "In {} frames away from corners the spot was at most {:.4f} mm from the dieline on the "
+                   "moving sheet, at {:.3f} s, {}; the limit allows for the noise of a single frame.",
+                   count, std::abs(worst_mm), worst->time_s, placeOf(worst->p_S_mm));
   if (faint > 0) check.explanation += fmt::format(" In {} more it was too faint to be placed.", faint);
   if (off > 0) check.explanation += fmt::format(" {} frames show it away from every line.", off);
   return check;

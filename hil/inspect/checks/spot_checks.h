@@ -36,6 +36,8 @@ struct CutReadings;
 /// Offset and excursion of each cut, and the worst excursion. `q`: correlation of neighbouring frames' noise.
 void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>& readings, double q,
                        double limit_mm, Stillness& stillness);
+/// The frame of a cut whose residual lies farthest from `from_mm`. The cut has frames.
+Whereabouts farthestFrame(const CutResult& cut, double from_mm);
 /// Fills EntityResult::passes.
 void countPasses(const Evidence& evidence, const LitFrames& lit, std::vector<EntityResult>& entities);
 /// Frames that never arrived.

@@ -12,6 +12,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/evidence/emitted_light.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
@@ -197,6 +198,7 @@ Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit) {
   const OpenFrames open = openFrames(evidence, lit, usualOf(evidence, lit));
   const BlindFrames blind = blindFrames(evidence, lit, light, open);
   check.limit = kDarkShare;
+  if (blind.count > 0) check.where = atTime(blind.first_s);
   if (open.count > 0) check.value = static_cast<double>(blind.count) / static_cast<double>(open.count);
   decide(check);
   const FrameLosses losses = lossesOf(evidence);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/deviation/worst_deviation.h"
 #include "hil/inspect/evidence/print_error.h"
+#include "hil/inspect/evidence/whereabouts.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
 
@@ -35,9 +37,15 @@ int entityOfRun(const LitFrames& lit, const LitRun& run) {
   return most == frames.end() ? -1 : most->first;
 }
 
+/// Whether a spot has left its line farther than lines are looked for. Which line it follows there is not
+/// known, and a distance from the one that it left tells no motion.
+bool isLost(const LitFrame& frame) {
+  return frame.entity < 0 && frame.left_entity >= 0 && std::abs(frame.deviation_mm) > kSearch_mm;
+}
+
 /// Whether a frame shows x of the spot on a line.
 bool showsX(const LitFrame& frame) {
-  return (frame.entity >= 0 || frame.left_entity >= 0) && !frame.ambiguous &&
+  return (frame.entity >= 0 || frame.left_entity >= 0) && !isLost(frame) && !frame.ambiguous &&
          std::abs(frame.n_x) >= kMinNormalX;
 }
 
@@ -72,6 +80,9 @@ CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& 
   readings.shared.resize(static_cast<Eigen::Index>(run.end - run.begin), columns);
   for (std::size_t i = run.begin; i < run.end; ++i) {
     const LitFrame& frame = lit.frames[i];
+    cut.track.push_back(
+        {frame.time_s, std::max(frame.entity, frame.left_entity), frame.p_S_mm, frame.deviation_mm});
+    if (isLost(frame)) ++cut.lost;
     if (!showsX(frame) || frame.sigma_mm > faintest_mm) continue;
     const auto& spot_W_mm = evidence.spot.frames[frame.frame].spot_W_mm;
     const double n_y = std::sqrt(std::max(1.0 - frame.n_x * frame.n_x, 0.0));
@@ -226,36 +237,65 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Tole
   return result;
 }
 
-Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Stillness& stillness) {
-  Check check{
-      .name = "stillness_x", .title = "Beam at rest relative to the moving sheet, along x", .unit = "mm"};
+namespace {
+
+/// The drift of cuts that stayed with their lines.
+void measuredDrift(const LitFrames& lit, const Stillness& stillness, std::size_t judged, Check& check) {
   const std::vector<CutResult>& cuts = stillness.cuts;
-  check.limit = limits.stillness_mm;
-  check.value = kNan;
-  const auto judged = static_cast<std::size_t>(
-      std::count_if(cuts.begin(), cuts.end(), [](const CutResult& c) { return std::isfinite(c.drift_mm); }));
-  if (judged > 0) {
-    const CutResult& worst = cuts[stillness.worst_cut];
-    check.value = stillness.worst_drift_mm.value;
-    check.u = check.guard = stillness.worst_drift_mm.U;
-    check.chance_beyond = stillness.chance_beyond;
-    decide(check);
-    check.subject = nameOf(worst.unit, worst.entity);
-    check.explanation = fmt::format(
-        "Of {} cuts that show x, the spot drifted most against the sheet in the one of {} at {:.3f} s: "
-        "{:+.4f} mm over "
-        "{:.0f} ms, standard uncertainty {:.4f} mm.",
-        judged, check.subject, worst.start_s, worst.drift_mm,
-        1e3 * (worst.time_s.back() - worst.time_s.front()), worst.drift_sigma_mm);
-    if (judged < cuts.size()) {
-      check.explanation += fmt::format(
-          " {} cuts run along x, are shorter than {} frames or are off the dieline, and "
-          "cannot show it.",
-          cuts.size() - judged, kMinSlopeFrames);
-    }
-    return check;
+  const CutResult& worst = cuts[stillness.worst_cut];
+  check.value = stillness.worst_drift_mm.value;
+  check.u = check.guard = stillness.worst_drift_mm.U;
+  check.chance_beyond = stillness.chance_beyond;
+  decide(check);
+  check.subject = nameOf(worst.unit, worst.entity);
+  check.where = farthestFrame(worst, 0.0);
+  check.explanation = fmt::format(
+      "Of {} cuts that show x, the spot drifted most against the sheet in the one of {} at {:.3f} s: "
+      "{:+.4f} mm over "
+      "{:.0f} ms, standard uncertainty {:.4f} mm.",
+      judged, check.subject, worst.start_s, worst.drift_mm,
+      1e3 * (worst.time_s.back() - worst.time_s.front()), worst.drift_sigma_mm);
+  if (judged < cuts.size()) {
+    check.explanation += fmt::format(
+        " {} cuts run along x, are shorter than {} frames or are off the dieline, and "
+        "cannot show it.",
+        cuts.size() - judged, kMinSlopeFrames);
   }
-  // No cut stayed with the dieline. If the spot was seen to leave it, that is proof enough.
+  if (const auto lost = std::ranges::count_if(lit.frames, isLost); lost > 0)
+    check.explanation += fmt::format(
+        " {} frames show the spot more than {:g} mm from the line that it had followed, which is as far as "
+        "lines are looked for: they tell no drift.",
+        lost, kSearch_mm);
+}
+
+/// Where a spot was lost beside a line that shows x; null if it never was.
+const LitFrame* farthestLost(const LitFrames& lit) {
+  const LitFrame* farthest = nullptr;
+  for (const LitFrame& frame : lit.frames) {
+    if (!isLost(frame) || frame.ambiguous || std::abs(frame.n_x) < kMinNormalX) continue;
+    if (farthest == nullptr || std::abs(frame.deviation_mm) > std::abs(farthest->deviation_mm))
+      farthest = &frame;
+  }
+  return farthest;
+}
+
+/// The least that a spot moved which lay on its line in one frame of a run, and was lost in another.
+void leastMotion(const LitFrame& lost, Check& check) {
+  check.value = kSearch_mm - kReach_mm;
+  check.u = check.guard = 2.0 * std::numbers::sqrt2 * lost.sigma_mm;
+  check.chance_beyond = kNan;
+  check.subject = nameOf(lost.unit, lost.left_entity);
+  check.where = inFrame(lost);
+  decideAtLeast(check);
+  check.explanation = fmt::format(
+      "The spot did not stay with {}: it was within {:g} mm of that line, and in the same cut, at {:.3f} s, "
+      "more "
+      "than {:g} mm from it along x. How far it went cannot be said: lines are looked for no farther.",
+      check.subject, kReach_mm, lost.time_s, kSearch_mm);
+}
+
+/// A spot that was beside every line in most frames: proof enough that it stayed with none.
+bool stayedWithNone(const LitFrames& lit, Check& check) {
   const LitFrame* farthest = nullptr;
   std::size_t off = 0;
   for (const LitFrame& frame : lit.frames) {
@@ -263,23 +303,41 @@ Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Still
     ++off;
     if (farthest == nullptr || frame.distance_mm > farthest->distance_mm) farthest = &frame;
   }
-  if (farthest != nullptr && 2 * off > lit.frames.size()) {
-    check.value = farthest->distance_mm;
-    check.subject = nameOf(*farthest);
-    decide(check);
-    check.explanation = fmt::format(
-        "The spot did not stay with any line: in {} of {} frames it was more than {:.1f} mm from the dieline "
-        "on the "
-        "moving sheet, at {:.3f} s by {:.2f} mm or more. No cut could be followed to measure the drift "
-        "itself.",
-        off, lit.frames.size(), kReach_mm, farthest->time_s, farthest->distance_mm);
+  if (farthest == nullptr || 2 * off <= lit.frames.size()) return false;
+  check.value = farthest->distance_mm;
+  check.subject = nameOf(*farthest);
+  check.where = inFrame(*farthest);
+  decideAtLeast(check);
+  check.explanation = fmt::format(
+      "The spot did not stay with any line: in {} of {} frames it was more than {:.1f} mm from the dieline "
+      "on the "
+      "moving sheet, at {:.3f} s by {:.2f} mm or more. No cut could be followed to measure the drift "
+      "itself.",
+      off, lit.frames.size(), kReach_mm, farthest->time_s, farthest->distance_mm);
+  return true;
+}
+
+}  // namespace
+
+Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Stillness& stillness) {
+  Check check{
+      .name = "stillness_x", .title = "Beam at rest relative to the moving sheet, along x", .unit = "mm"};
+  check.limit = limits.stillness_mm;
+  check.value = kNan;
+  const auto judged = static_cast<std::size_t>(
+      std::ranges::count_if(stillness.cuts, [](const CutResult& c) { return std::isfinite(c.drift_mm); }));
+  if (judged > 0) measuredDrift(lit, stillness, judged, check);
+  if (judged > 0 && check.verdict == Verdict::kFail) return check;
+  if (const LitFrame* lost = farthestLost(lit); lost != nullptr) {
+    leastMotion(*lost, check);
     return check;
   }
+  if (judged > 0 || stayedWithNone(lit, check)) return check;
   decide(check);
   check.explanation = fmt::format(
       "None of {} cuts lets the motion along x be seen: it takes {} frames on a line that "
       "runs across the belt.",
-      cuts.size(), kMinSlopeFrames);
+      stillness.cuts.size(), kMinSlopeFrames);
   return check;
 }
 

@@ -36,12 +36,22 @@ struct EntityResult {
   double passes{};  ///< How often the spot went along it, from the spot camera: swept length / length.
 };
 
+/// One frame of a cut, for the report's plots.
+struct CutFrame {
+  double time_s{};
+  int entity{-1};  ///< The line that the spot followed, or had left; -1: none.
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< The spot on the sheet of its unit.
+  double deviation_mm{};  ///< Along the left normal of that line; NaN if there is none.
+  int program_line{};     ///< Line of the program that asks for this place; 0: not known.
+};
+
 /// Stillness of one cut (a run of frames with the spot alight).
 struct CutResult {
   int unit{};
   int entity{};  ///< The entity it followed; -1 if none.
   double start_s{}, end_s{};
   int frames{};       ///< Frames whose path direction lets x be seen.
+  int lost{};         ///< Frames that show the spot so far from its line that they tell no drift.
   double drift_mm{};  ///< Change of the x-residual over the cut, by least squares; NaN if it cannot be seen.
   double drift_sigma_mm{};
   double slope_mm_s{};  ///< drift_mm over the time from the first to the last of the frames.
@@ -61,6 +71,7 @@ struct CutResult {
   std::vector<double> time_s{};       ///< For the report's plot.
   std::vector<double> residual_mm{};  ///< x-residual of spot against the dieline on the moving sheet.
   std::vector<double> sheet_x_mm{};   ///< x_W of the origin of the sheet's unit.
+  std::vector<CutFrame> track{};      ///< All frames of the run, by time.
 };
 
 /// Deviation of all lines of one layer, all units together.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -59,6 +60,13 @@ std::string percent(double chance) {
 }
 
 }  // namespace
+
+Verdict decideAtLeast(Check& check) {
+  check.at_least = decide(check) == Verdict::kFail;
+  if (check.at_least) return check.verdict;
+  check.value = std::numeric_limits<double>::quiet_NaN();
+  return decide(check);
+}
 
 std::string riskSentence(Check& check) {
   if (check.verdict == Verdict::kInvalid || !(check.u > 0.0) || !(check.guard > 0.0)) return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -13,6 +14,28 @@ namespace kerfbench::inspect {
 enum class Verdict { kPass, kFail, kInvalid, kNotProven };
 std::string_view verdictName(Verdict verdict);  ///< "PASS", "FAIL", "INVALID", "NOT PROVEN"
 int exitCode(Verdict verdict);                  ///< 0, 1, 3, 4
+
+/// Where on the sheet, and when, the value of a check was found. What is not known is negative or NaN.
+struct Whereabouts {
+  /// What the time is that of.
+  enum class Time {
+    kNone,     ///< Not known.
+    kPins,     ///< An edge or a span of the pins.
+    kFrame,    ///< A frame of the spot camera.
+    kPassing,  ///< The beam passed that place, as the spot camera's frames have it.
+    kMidway,   ///< The same of the middle of a line that is judged as a whole.
+  };
+  int unit{-1};
+  int entity{-1};
+  double x_mm{std::numeric_limits<double>::quiet_NaN()};  ///< On the sheet of that unit, S.
+  double y_mm{std::numeric_limits<double>::quiet_NaN()};
+  Time time{Time::kNone};
+  double time_s{std::numeric_limits<double>::quiet_NaN()};  ///< On the clock of the pins.
+  double within_s{};  ///< Half of the time between the frames on either side; 0 of a time of the pins.
+
+  [[nodiscard]] bool hasPlace() const { return !std::isnan(x_mm) && !std::isnan(y_mm); }
+  [[nodiscard]] bool hasTime() const { return !std::isnan(time_s); }
+};
 
 /// One check of a verdict quantity against its limit.
 struct Check {
@@ -33,6 +56,9 @@ struct Check {
   double chance_beyond{std::numeric_limits<double>::quiet_NaN()};
   Verdict verdict{Verdict::kInvalid};
   std::string explanation{};  ///< One sentence a QA engineer understands.
+  Whereabouts where{};        ///< Of the worst value; for people, the verdict does not depend on it.
+  /// True: the value is the farthest that the measurement reaches, and the truth lies there or beyond.
+  bool at_least{};
 };
 
 /// A check that says nothing of a run, and why. A run names every check: each is judged, or one of these.
@@ -74,6 +100,9 @@ inline Unjudged notJudged(const Check& check, std::string reason) {
 /// Decision rule of JCGM 106 with guard band: PASS inside limit - w, FAIL outside limit + w, NOT PROVEN
 /// between, INVALID for NaN. Sets check.verdict and returns it.
 Verdict decide(Check& check);
+/// The same for a value that is the farthest that the measurement reaches: FAIL where even that is outside
+/// limit + w, else INVALID, for what lies beyond is not known; the value is NaN then. Sets check.at_least.
+Verdict decideAtLeast(Check& check);
 /// For a decided check with an uncertainty: the risk of deciding wrongly (JCGM 106, 8 and 9), in one
 /// sentence; empty for others. Sets chance_beyond, if it is not known better, from a normal truth about the
 /// value.

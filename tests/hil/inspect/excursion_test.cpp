@@ -92,14 +92,29 @@ TEST(Excursion, IsAsUncertainAsAPlaceWithinAPixel) {
 TEST(Excursion, ASpotThatLeavesItsLineIsStillMeasured) {
   SyntheticRun run;
   run.shiftSpot(0, kCreaseLine, [](double t_s) {
-    return Eigen::Vector2d(1.5 * std::sin(std::numbers::pi * t_s / 0.119), 0.0);
+    return Eigen::Vector2d(0.95 * std::sin(std::numbers::pi * t_s / 0.119), 0.0);
   });
   const auto result = run.inspected();
   const CutResult& cut = cutOf(result, 0, kCreaseLine);
   EXPECT_EQ(cut.frames, 120);
-  EXPECT_NEAR(cut.offset_mm, 1.5 * 2.0 / std::numbers::pi, 0.01);
-  EXPECT_NEAR(cut.peak_mm, 1.5, cut.peak_U_mm + 1e-3);
+  EXPECT_EQ(cut.lost, 0);
+  EXPECT_NEAR(cut.offset_mm, 0.95 * 2.0 / std::numbers::pi, 0.01);
+  EXPECT_NEAR(cut.peak_mm, 0.95, cut.peak_U_mm + 1e-3);
   EXPECT_EQ(checkOf(result, "stillness_peak").verdict, Verdict::kFail);
+}
+
+TEST(Excursion, BeyondTheSearchForLinesFailsAndIsNotMeasured) {
+  SyntheticRun run;
+  run.shiftSpot(0, kCreaseLine, [](double t_s) {
+    return Eigen::Vector2d(1.5 * std::sin(std::numbers::pi * t_s / 0.119), 0.0);
+  });
+  const auto result = run.inspected();
+  const CutResult& cut = cutOf(result, 0, kCreaseLine);
+  EXPECT_GT(cut.lost, 50);
+  EXPECT_EQ(cut.frames + cut.lost, 120);
+  EXPECT_LE(cut.peak_mm, kSearch_mm);
+  EXPECT_EQ(checkOf(result, "stillness_peak").verdict, Verdict::kFail);
+  EXPECT_EQ(checkOf(result, "stillness_x").verdict, Verdict::kFail);
 }
 
 TEST(Excursion, ASpotThatNeverComesBackIsMeasuredToTheEnd) {
