@@ -13,6 +13,7 @@
 #include "hil/judge/judge.h"
 #include "hil/judge/machine_pictures.h"
 #include "hil/judge/model_parting.h"
+#include "hil/judge/moments.h"
 #include "hil/judge/real_spot.h"
 #include "hil/judge/run_folder.h"
 #include "hil/report/run_report.h"
@@ -135,6 +136,7 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
     diagnosis_evidence = std::move(judgement.diagnosis_evidence);
     addJudgement(std::move(judgement), report);
   }
+  addMoments(run.recording, test_case.machine.signals, conclusion.gcode, report);
   const run::ModelTruth truth = conclusion.machine->truth();
   report.model = modelFacts(test_case.scenario, truth);
   if (test_case.scenario.cameras.spot.is_real)

@@ -16,6 +16,7 @@
 #include "hil/judge/diagnosis_evidence.h"
 #include "hil/judge/likely_cause.h"
 #include "hil/judge/missing_sensors.h"
+#include "hil/judge/moments.h"
 #include "hil/judge/pin_stamps.h"
 #include "hil/judge/pin_wiring.h"
 #include "hil/judge/real_spot.h"
@@ -210,6 +211,7 @@ Judgement judgeSafeState(const scenario::Case& test_case, const run::RecordedRun
     evidence.problems.push_back(std::move(problem));
   Judgement judgement;
   judgement.result = inspect::inspectSafeState(evidence);
+  judgement.safe = safeTimeline(evidence);
   judgement.pulses = std::move(evidence.pulses);
   return judgement;
 }
@@ -220,6 +222,7 @@ void addJudgement(Judgement judgement, report::RunReport& report) {
   report.spot = std::move(judgement.spot);
   report.pulses = std::move(judgement.pulses);
   report.diagnosis = std::move(judgement.diagnosis);
+  report.safe = std::move(judgement.safe);
   report.evidence = std::move(judgement.pictures);
   report.versions.insert(report.versions.end(), judgement.facts.begin(), judgement.facts.end());
 }

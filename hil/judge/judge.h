@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,7 +49,8 @@ struct Judgement {
   std::vector<PulseTiming> pulses;
   /// Why the cut is bad; nothing is judged by it.
   diagnose::Diagnosis diagnosis;
-  std::string diagnosis_evidence;  ///< As evidenceJson(), where it is kept.
+  std::optional<report::SafeTimeline> safe;  ///< Of a run that was to be stopped.
+  std::string diagnosis_evidence;            ///< As evidenceJson(), where it is kept.
   /// For the report: which pictures were looked at, with which calibrations.
   std::vector<std::pair<std::string, std::string>> facts;
   std::vector<report::EvidencePart> pictures;  ///< Sums of what real cameras took.

@@ -16,6 +16,8 @@ namespace {
 constexpr double kMeasuredBegin = 0.03;
 constexpr double kMeasuredLaw = 0.4;
 constexpr double kStationPitch_mm = 0.1;
+/// A page with such a picture stays below a megabyte.
+constexpr int kMosaic_px = 640;
 // Units of a few MB of web each.
 constexpr std::size_t kMostWaiting = 2;
 
@@ -26,6 +28,7 @@ vision::KerfScanOptions kerfScanOptions(const scenario::Case& test_case,
   vision::KerfScanOptions options;
   options.threads = threads;
   options.station_pitch_mm = kStationPitch_mm;
+  options.mosaic_px = kMosaic_px;
   options.stray_min_mm = test_case.scenario.limits.leastStray_mm(calibration.pitchMm());
   options.beam_radius_mm = test_case.machine.beam.waist_radius_mm;     // As the laser's data sheet has it.
   options.board_thickness_mm = test_case.scenario.board.thickness_mm;  // As the board's has it.

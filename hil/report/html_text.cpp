@@ -53,11 +53,6 @@ std::string limitLegend(double limit_mm) {
   return html;
 }
 
-std::string htmlSection(std::string_view title, const std::string& body) {
-  return body.empty() ? std::string()
-                      : fmt::format("<section><h2>{}</h2>{}</section>\n", escapeHtml(title), body);
-}
-
 std::string htmlRow(std::string_view key, const std::string& value, bool code) {
   if (value.empty()) return {};
   const std::string text = code ? "<code>" + escapeHtml(value) + "</code>" : escapeHtml(value);
@@ -92,8 +87,6 @@ std::string stopSentence(const inspect::InspectionResult& result) {
     if (check.name == "finish" && check.verdict == inspect::Verdict::kFail) return check.explanation;
   return {};
 }
-
-namespace {
 
 std::string sentenceOfVerdict(const RunReport& report) {
   const inspect::InspectionResult& result = report.result;
@@ -135,8 +128,6 @@ std::string sentenceOfVerdict(const RunReport& report) {
   }
   return names.empty() ? "Nothing was checked." : fmt::format("Could not be measured: {}.", names);
 }
-
-}  // namespace
 
 std::string verdictSentence(const RunReport& report) {
   const std::string verdict = sentenceOfVerdict(report);

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "hil/dieline/geometry.h"
+#include "hil/report/causes.h"
 #include "hil/report/diagnosis_section.h"
+#include "hil/report/headline.h"
 #include "hil/report/html_text.h"
 #include "hil/report/json_parts.h"
 #include "hil/report/run_report.h"
@@ -90,13 +95,56 @@ OrderedJson evidenceJson(const std::vector<EvidencePart>& evidence) {
   return j;
 }
 
+std::string_view timeName(inspect::Whereabouts::Time time) {
+  using Time = inspect::Whereabouts::Time;
+  switch (time) {
+    case Time::kNone:
+      break;
+    case Time::kPins:
+      return "pins";
+    case Time::kFrame:
+      return "frame";
+    case Time::kPassing:
+      return "passing";
+    case Time::kMidway:
+      return "midway";
+  }
+  return "unknown";
+}
+
+OrderedJson whereJson(const inspect::Whereabouts& where) {
+  OrderedJson j;
+  j["unit"] = where.unit >= 0 ? OrderedJson(where.unit) : OrderedJson();
+  j["entity"] = where.entity >= 0 ? OrderedJson(where.entity) : OrderedJson();
+  j["x_mm"] = rounded(where.x_mm);
+  j["y_mm"] = rounded(where.y_mm);
+  j["time_s"] = rounded(where.time_s);
+  j["time_of"] = timeName(where.time);
+  j["within_s"] = rounded(where.within_s);
+  return j;
+}
+
+// Name of the check that brings each along, of those that did not pass.
+std::map<std::string, std::string> leadersOf(const std::vector<inspect::Check>& checks) {
+  std::map<std::string, std::string> leaders;
+  for (const inspect::Verdict verdict :
+       {inspect::Verdict::kFail, inspect::Verdict::kInvalid, inspect::Verdict::kNotProven})
+    for (const FailureGroup& group : failureGroups(checks, verdict))
+      for (const inspect::Check* check : group.followers) leaders[check->name] = group.primary->name;
+  return leaders;
+}
+
 // The checks with what a person reads of them; the digest binds them without.
 OrderedJson checksJson(const std::vector<inspect::Check>& checks) {
   OrderedJson list = OrderedJson::array();
+  auto leaders = leadersOf(checks);
   for (const inspect::Check& c : checks) {
     auto j = checkJson<OrderedJson>(c);
     j["title"] = c.title;
     j["explanation"] = c.explanation;
+    j["value_is"] = c.at_least ? "at_least" : "measured";
+    j["where"] = whereJson(c.where);
+    j["along_with"] = leaders[c.name];
     list.push_back(std::move(j));
   }
   return list;
@@ -119,6 +167,12 @@ OrderedJson entitiesJson(const RunReport& report) {
   return list;
 }
 
+OrderedJson headlineJson(const RunReport& report) {
+  const Headline headline = headlineOf(report);
+  return {{"check", headline.check}, {"what", headline.what}, {"how_much", headline.how_much},
+          {"where", headline.where}, {"when", headline.when}, {"cause", headline.cause}};
+}
+
 }  // namespace
 
 std::string verdictJson(const RunReport& report, const Digests& digests) {
@@ -128,6 +182,8 @@ std::string verdictJson(const RunReport& report, const Digests& digests) {
   root["verdict"] = inspect::verdictName(result.verdict);
   root["exit_code"] = inspect::exitCode(result.verdict);
   root["summary"] = verdictSentence(report);
+  root["headline"] = headlineJson(report);
+  root["next_steps"] = nextSteps(report);
   root["likely_cause"] = likelyCauseOf(report);
   root["diagnosis"] = diagnosisJson(report);
   root["digest"] = digests.results;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
+#include "hil/report/headline.h"
 #include "hil/report/html_text.h"
 #include "hil/report/run_report.h"
 
@@ -86,10 +87,12 @@ std::string junitXml(const RunReport& report, const Digests& digests) {
   addOutcome(testCase("evidence"), sound ? inspect::Verdict::kPass : inspect::Verdict::kInvalid,
              problems.substr(0, problems.find('\n')), problems);
   for (const inspect::Check& check : result.checks) {
+    const std::string when = whenOf(check.where);
     const std::string message =
-        fmt::format("{}: {} {} (limit {}, U {}, guard {})", inspect::verdictName(check.verdict),
-                    checkNumber(check, check.value), check.subject, checkNumber(check, check.limit),
-                    checkNumber(check, check.u), checkNumber(check, check.guard));
+        fmt::format("{}: {}{} {} (limit {}, U {}, guard {}){}", inspect::verdictName(check.verdict),
+                    check.at_least ? "at least " : "", checkNumber(check, check.value), whereOf(check),
+                    checkNumber(check, check.limit), checkNumber(check, check.u),
+                    checkNumber(check, check.guard), when.empty() ? "" : " at " + when);
     addOutcome(testCase(check.name), check.verdict, message, check.explanation);
   }
   for (const inspect::Unjudged& unjudged : result.unjudged) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "hil/dieline/geometry.h"
+#include "hil/report/limits.h"
 #include "hil/report/run_report.h"
 
 namespace kerfbench::report {
@@ -13,7 +14,6 @@ namespace {
 
 using inspect::Tolerances;
 
-/// A limit that a scenario may set; the larger, the more a cut may be off.
 struct Limit {
   const char* key;
   const char* unit;
@@ -34,14 +34,11 @@ constexpr std::array kLimits{
     Limit{"line_energy_share", "", [](const Tolerances& t) { return t.line_energy_share; }}};
 
 std::string wideLimits(const Tolerances& limits) {
-  const Tolerances defaults;
   std::string text;
-  for (const Limit& limit : kLimits) {
-    const double value = limit.value(limits);
-    const double usual = limit.value(defaults);
-    if (!(value > usual)) continue;
-    text += fmt::format("{}{} {:g} (default {:g})", text.empty() ? "" : ", ", limit.key, limit.scale * value,
-                        limit.scale * usual);
+  for (const NamedLimit& limit : namedLimits(limits)) {
+    if (!(limit.value > limit.usual)) continue;
+    text += fmt::format("{}{} {:g} (default {:g})", text.empty() ? "" : ", ", limit.key, limit.value,
+                        limit.usual);
   }
   return text.empty() ? text : "limits wider than the defaults: " + text;
 }
@@ -69,6 +66,15 @@ std::string shortLegs(const inspect::InspectionResult& result) {
 }
 
 }  // namespace
+
+std::vector<NamedLimit> namedLimits(const Tolerances& limits) {
+  const Tolerances defaults;
+  std::vector<NamedLimit> all;
+  for (const Limit& limit : kLimits)
+    all.push_back(
+        {limit.key, limit.unit, limit.scale * limit.value(limits), limit.scale * limit.value(defaults)});
+  return all;
+}
 
 std::vector<Reservation> reservationsOf(const RunReport& report) {
   std::vector<Reservation> all;

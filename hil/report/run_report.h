@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "hil/dieline/process.h"
 #include "hil/dieline/read.h"
 #include "hil/inspect/inspect.h"
+#include "hil/report/run_moments.h"
 #include "hil/vision/kerf/kerf_measurement.h"
 #include "hil/vision/spot/spot_track.h"
 #include "twin/base/print_layout.h"
@@ -119,6 +121,10 @@ struct RunReport {
   inspect::InspectionResult result;
   /// Why the cut is bad, for people; nothing is judged by it, and it is no part of the digest.
   diagnose::Diagnosis diagnosis;
+  /// The pins around the times of checks that did not pass, by time; for people.
+  std::vector<Moment> moments;
+  std::optional<SafeTimeline> safe;  ///< Of a run that was to be stopped.
+  ProgramLines program;
   bool unsealed{};        ///< A recording without a sum of its own was replayed.
   bool model_pictures{};  ///< The pins are real, and the pictures are the model's.
   int calibration_max_age_days{inspect::kCalibrationMaxAge_days};  ///< As the scenario has it.

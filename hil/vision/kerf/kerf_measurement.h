@@ -126,12 +126,20 @@ struct KerfPatch {
       Eigen::Affine2d::Identity()};  ///< Local map, to draw the dieline into the patch.
 };
 
+/// All that the camera saw of one unit as one picture, for the report.
+struct KerfMosaic {
+  int unit{-1};
+  std::shared_ptr<const GrayImage> image;  ///< Null: none. Its rows run down from the largest y.
+  Eigen::AlignedBox2d box_S_mm;            ///< What it shows.
+};
+
 struct KerfScanOptions {
   double station_pitch_mm{0.25};
   double reach_mm{0.6};  ///< Half length of a caliper.
   double joint_clearance_mm{0.4};
   double stray_min_mm{0.5};  ///< Smaller blobs are not told; see inspect::Tolerances::leastStray_mm().
   int patches{6};            ///< Number of worst places to keep pictures of.
+  int mosaic_px{0};          ///< Longest side of KerfScan::mosaic; 0: none is made.
   /// 1/e² radius of the beam, from the set-up of the laser: how far a kerf's outline reaches beyond where the
   /// beam stopped or turned follows from it and from the kerf's width. 0: as far as a round tool as wide as
   /// the kerf.
@@ -170,6 +178,7 @@ struct KerfScan {
   std::vector<UnitPose> units;  ///< Poses of the units whose marks were found.
   std::vector<StrayCut> strays;
   std::vector<KerfPatch> patches;  ///< Patches, the worst first.
+  KerfMosaic mosaic;               ///< The worst unit.
   double mark_residual_mm{};       ///< Worst RMS over units of marks against their places.
   /// RMS per axis of how far the same kerf lies apart in two overlapping tiles, what the board's thickness
   /// explains taken out; NaN without overlaps.

@@ -19,6 +19,7 @@
 #include "hil/vision/kerf/kerf_tiles.h"
 #include "hil/vision/marks/mark_misfit.h"
 #include "hil/vision/scan/kerf_unit.h"
+#include "hil/vision/scan/mosaic.h"
 #include "hil/vision/scan/sight_pairs.h"
 #include "hil/vision/scan/tile_contradictions.h"
 
@@ -109,12 +110,27 @@ Eigen::Vector2d centreOf(const std::vector<RegistrationMark>& marks) {
   return marks.empty() ? sum_mm : Eigen::Vector2d(sum_mm / static_cast<double>(marks.size()));
 }
 
+/// Shown around the drawing, as a share of its size.
+constexpr double kMosaicMargin = 0.03;
+
 /// What the units of a sheet are scanned for, and with what.
 struct ScanJob {
   const KerfPlan& plan;
   const CameraCalibration& calibration;
   const PrintLayout& print;
   const KerfScanOptions& options;
+  Eigen::AlignedBox2d box_S_mm;  ///< The drawing.
+
+  /// Keeps the picture of this unit if it is the worst so far.
+  void keepMosaic(const TileIndex& index, const PlaneMotion& X_TS, int unit, KerfScan& scan) const {
+    if (options.mosaic_px <= 0 || box_S_mm.isEmpty() || !(box_S_mm.sizes().maxCoeff() > 0.0)) return;
+    if (scan.mosaic.image != nullptr && badnessOf(scan, unit) <= badnessOf(scan, scan.mosaic.unit)) return;
+    const double margin_mm = kMosaicMargin * box_S_mm.sizes().maxCoeff();
+    Eigen::AlignedBox2d shown_mm = box_S_mm;
+    shown_mm.extend(box_S_mm.min() - Eigen::Vector2d::Constant(margin_mm));
+    shown_mm.extend(box_S_mm.max() + Eigen::Vector2d::Constant(margin_mm));
+    scan.mosaic = mosaicOf(index, calibration, {unit, X_TS, shown_mm, options.mosaic_px}, options.threads);
+  }
 
   /// Scans one unit in all of its tiles.
   void scanUnit(std::vector<camera::KerfTile> tiles, int unit, KerfScan& scan) const {
@@ -153,6 +169,7 @@ struct ScanJob {
                               scan.units.back().marks_centre_S_mm});
     unit_scan.cuts(scan);
     unit_scan.strays(scan);
+    keepMosaic(index, place->X_TS, unit, scan);
   }
 };
 
@@ -172,7 +189,7 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
         ">= 0");
   }
   const KerfPlan plan = planKerf(dieline, options);
-  const ScanJob job{plan, calibration, print, options};
+  const ScanJob job{plan, calibration, print, options, dieline.bounds()};
   KerfScan scan;
   scan.tile_misfit_mm = std::numeric_limits<double>::quiet_NaN();
   std::set<int> done;

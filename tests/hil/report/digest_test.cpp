@@ -47,6 +47,16 @@ TEST(Digest, IsStableAgainstOrderTimeAndPaths) {
   EXPECT_EQ(digestOf(a).size(), 64U);
 }
 
+TEST(Digest, DoesNotDependOnWhatIsForPeopleAlone) {
+  const RunReport a = reportOf(test::badRun());
+  RunReport b = a;
+  b.moments.push_back({{"path"}, 1.0, 0.995, 1.005, {{"laser_gate", true, {1.001}}}, {}});
+  b.program = {{3, "G01 X1"}};
+  for (inspect::Check& check : b.result.checks) check.where = {};
+  for (inspect::CutResult& cut : b.result.cuts) cut.track.clear();
+  EXPECT_EQ(digestOf(a), digestOf(b));
+}
+
 TEST(Digest, ChangesWithAnyMeasurement) {
   const inspect::testing::SyntheticRun run;
   const RunReport a = reportOf(run);

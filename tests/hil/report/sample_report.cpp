@@ -88,6 +88,10 @@ inspect::testing::SyntheticRun badRun() {
   run.evidence.pulses[1].setup_violations = 37;
   run.evidence.pulses[1].first_violation_s = 1.25;
   run.evidence.pulses[1].setup_histogram[2] = 37;
+  const auto mosaic = std::make_shared<GrayImage>(64, 44, 40);
+  for (int column = 0; column < 64; ++column) mosaic->at(column, 22) = 230;
+  run.evidence.kerf.mosaic = {1, mosaic,
+                              Eigen::AlignedBox2d(Eigen::Vector2d(-2, -2), Eigen::Vector2d(62, 42))};
   run.evidence.kerf.patches = {patchAt(1, inspect::testing::kRight, {60, 20}, -0.075),
                                patchAt(0, inspect::testing::kTop, {20, 40}, 0.03)};
   return run;
