@@ -49,7 +49,7 @@ struct Judgement {
   std::vector<PulseTiming> pulses;
   /// Why the cut is bad; nothing is judged by it.
   diagnose::Diagnosis diagnosis;
-  std::optional<report::SafeTimeline> safe;  ///< Of a run that was to be stopped.
+  std::optional<report::SafeTimeline> safe;  ///< Only of a run that was to be stopped.
   std::string diagnosis_evidence;            ///< As evidenceJson(), where it is kept.
   /// For the report: which pictures were looked at, with which calibrations.
   std::vector<std::pair<std::string, std::string>> facts;

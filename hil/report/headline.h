@@ -22,7 +22,7 @@ struct Headline {
   std::string cause;
 };
 
-/// Of the first group of failures, or of checks that decided the verdict otherwise; empty for a PASS.
+/// Headline of the first group of failures, or of checks that decided the verdict; empty for a PASS.
 Headline headlineOf(const RunReport& report);
 
 std::string howMuchOf(const inspect::Check& check);

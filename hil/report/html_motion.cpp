@@ -23,7 +23,7 @@ using inspect::CutResult;
 constexpr double kMotionWidth = 820.0;
 constexpr double kPanelHeight = 120.0;
 constexpr double kSpeedHeight = 70.0;
-constexpr std::size_t kMotionPoints = 1200;  ///< Of each series; the farthest of each group is kept.
+constexpr std::size_t kMotionPoints = 1200;  ///< Most of a series; the farthest of each group is kept.
 constexpr std::size_t kMostCuts = 4;
 constexpr std::size_t kSpeedFrames = 4;  ///< A speed is that over so many frames.
 

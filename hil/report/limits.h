@@ -15,7 +15,7 @@ struct NamedLimit {
   std::string_view key;
   std::string_view unit;  ///< Empty: a share.
   double value{};
-  double usual{};  ///< Its default, in the same unit.
+  double usual{};  ///< The default, in the same unit.
 };
 std::vector<NamedLimit> namedLimits(const inspect::Tolerances& limits);
 

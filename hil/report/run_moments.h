@@ -29,14 +29,14 @@ struct Moment {
   double time_s{};
   double from_s{}, to_s{};
   std::vector<PinTrace> pins;
-  std::vector<FollowedSpan> followed;  ///< By time.
+  std::vector<FollowedSpan> followed;  ///< Sorted by time.
 };
 
 /// What happened in a run that was to be stopped. Times in s on the clock of the pins; NaN: it did not.
 struct SafeTimeline {
   std::string cause;  ///< For people: "the guard was opened".
   double cause_s{std::numeric_limits<double>::quiet_NaN()};
-  double known_s{};  ///< By then the cause can be known; not before cause_s.
+  double known_s{};  ///< When the cause can be known at the latest; not before cause_s.
   double laser_due_s{}, axes_due_s{}, word_due_s{};
   double gate_off_s{std::numeric_limits<double>::quiet_NaN()};
   double last_pulse_s{std::numeric_limits<double>::quiet_NaN()};

@@ -123,7 +123,7 @@ struct RunReport {
   diagnose::Diagnosis diagnosis;
   /// The pins around the times of checks that did not pass, by time; for people.
   std::vector<Moment> moments;
-  std::optional<SafeTimeline> safe;  ///< Of a run that was to be stopped.
+  std::optional<SafeTimeline> safe;  ///< Only of a run that was to be stopped.
   ProgramLines program;
   bool unsealed{};        ///< A recording without a sum of its own was replayed.
   bool model_pictures{};  ///< The pins are real, and the pictures are the model's.

@@ -56,7 +56,7 @@ struct Check {
   double chance_beyond{std::numeric_limits<double>::quiet_NaN()};
   Verdict verdict{Verdict::kInvalid};
   std::string explanation{};  ///< One sentence a QA engineer understands.
-  Whereabouts where{};        ///< Of the worst value; for people, the verdict does not depend on it.
+  Whereabouts where{};        ///< Place and time of the worst value; no verdict depends on it.
   /// True: the value is the farthest that the measurement reaches, and the truth lies there or beyond.
   bool at_least{};
 };

@@ -129,7 +129,7 @@ TEST(WhereaboutsTest, AreThoseOfTheFaultInEachCheck) {
   EXPECT_EQ(still.where.unit, 0);
   EXPECT_EQ(still.where.entity, kCreaseLine);
   EXPECT_EQ(still.where.time, Time::kFrame);
-  EXPECT_GT(still.where.y_mm, 30.0);  // It drifts away: the end of the line lies farthest off.
+  EXPECT_GT(still.where.y_mm, 30.0);  // The spot drifts away: the end of the line lies farthest off.
 }
 
 TEST(WhereaboutsTest, DecideNothing) {
@@ -181,7 +181,7 @@ TEST(GrossFaults, ASpotFarFromTheLineThatItLeftTellsNoDrift) {
   const InspectionResult result = run.inspected();
   const Check& peak = checkOf(result, "stillness_peak");
   EXPECT_LT(peak.value, kSearch_mm);
-  // That it went off is proven all the same: from within 0.3 mm of the line to beyond 1 mm.
+  // The motion is proven all the same: from within 0.3 mm of the line to beyond 1 mm.
   const Check& still = checkOf(result, "stillness_x");
   EXPECT_EQ(still.verdict, Verdict::kFail);
   EXPECT_TRUE(still.at_least);

@@ -17,7 +17,7 @@ using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr Tick kMs = 16'000;  // Of a clock of 16 MHz.
+constexpr Tick kMs = 16'000;  // Ticks of a clock of 16 MHz.
 
 SignalMap wires() {
   SignalMap map;
@@ -75,7 +75,7 @@ TEST(Moments, ShowEachPinFromItsLevelAtTheBeginOfTheSpan) {
   EXPECT_DOUBLE_EQ(moment.to_s, 0.025);
   const report::PinTrace* gate = traceOf(moment, "laser_gate");
   ASSERT_NE(gate, nullptr);
-  EXPECT_TRUE(gate->level);  // It opened long before.
+  EXPECT_TRUE(gate->level);  // The gate opened long before.
   EXPECT_THAT(gate->toggle_s, ElementsAre(DoubleNear(0.022, 1e-12)));
   const report::PinTrace* pul = traceOf(moment, "galvo_x_pul");
   ASSERT_NE(pul, nullptr);
