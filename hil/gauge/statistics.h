@@ -5,17 +5,14 @@
 #include <optional>
 #include <vector>
 
+#include "hil/base/shares.h"
+
 namespace kerfbench::gauge {
 
 // Studies of a measuring instrument as pure functions of numbers. Lengths in any one unit.
 
-struct Interval {
-  double low{};
-  double high{};
-};
-/// Exact two-sided confidence interval of a share of which `hits` of `trials` were seen (Clopper and Pearson
-/// 1934). trials > 0, hits <= trials, confidence in (0, 1).
-Interval clopperPearson(std::size_t hits, std::size_t trials, double confidence = 0.95);
+using base::clopperPearson;
+using base::Interval;
 
 struct Moments {
   std::size_t count{};
