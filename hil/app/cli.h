@@ -12,6 +12,7 @@ namespace kerfbench::app {
 void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 void addRecordFrames(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 void addCapture(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
+void addCampaign(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 /// compare, history, prune.
 void addHistory(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 /// The release test of a plan.

@@ -229,6 +229,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
   addSuite(app, program, actions);
   addReplay(app, program, actions);
   addVerify(app, program, actions);
+  addCampaign(app, program, actions);
   addHistory(app, program, actions);
   addMotion(app, program, actions);
   addDiagnose(app, actions);
