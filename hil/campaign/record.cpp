@@ -102,10 +102,14 @@ void addVerdict(Record& record, const compare::RunFigures& figures) {
   record.outcome = figures.verdict;
   record.digest = figures.digest;
   for (const auto& [name, verdict] : figures.checks) {
-    CheckRecord check{.name = name, .verdict = verdict.verdict, .unit = verdict.unit, .value = std::nullopt, .limit = std::nullopt};
+    CheckRecord check{.name = name,
+                      .verdict = verdict.verdict,
+                      .unit = verdict.unit,
+                      .value = std::nullopt,
+                      .limit = std::nullopt};
     if (std::isfinite(verdict.limit)) check.limit = verdict.limit;
     const auto figure = std::ranges::find_if(figures.figures, [&](const compare::Figure& f) {
-      return f.of == compare::Figure::Of::kCheck && f.place == name;
+      return f.of == compare::Figure::Of::kCheck && f.place == check.name;
     });
     if (figure != figures.figures.end()) {
       check.value = figure->value;
@@ -167,7 +171,8 @@ RecordFolder::Found RecordFolder::find(std::size_t run) const {
   if (end == std::string::npos) return damaged("is cut off");
   const std::string line = content->substr(0, end);
   const OrderedJson seal = OrderedJson::parse(content->substr(end + 1), nullptr, false);
-  if (!seal.is_object() || !seal.contains("campaign") || !seal.contains("sha256")) return damaged("is cut off");
+  if (!seal.is_object() || !seal.contains("campaign") || !seal.contains("sha256"))
+    return damaged("is cut off");
   if (seal["campaign"] != campaign_) return damaged("is of another campaign, or of other files");
   if (seal["sha256"] != sumOf(campaign_, line)) return damaged("is not as it was written: its sum differs");
   try {

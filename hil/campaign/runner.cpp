@@ -207,9 +207,12 @@ std::string reasonIn(const std::string& log) {
   for (std::size_t at = 0; at < line.size();) {
     const std::size_t end = std::min(line.find(' ', at), line.size());
     const std::string word = line.substr(at, end - at);
+    // "/a/b.yaml:3:" and "'../b.yaml'" are files, "mm/s" is none.
+    const std::size_t first = std::min(word.find_first_not_of("'\"("), word.size());
     const std::size_t slash = word.rfind('/');
+    const bool is_file = slash != std::string::npos && (word[first] == '/' || word[first] == '.');
     if (!reason.empty()) reason += ' ';
-    reason += slash == std::string::npos ? word : word.substr(slash + 1);
+    reason += is_file ? word.substr(0, first) + word.substr(slash + 1) : word;
     at = end + 1;
   }
   return reason.empty() ? "it said nothing" : base::printable(reason, kMostLetters);
