@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -92,6 +93,7 @@ int runHere(const campaign::Campaign& campaign, const campaign::Prepared& prepar
         stopwatch.total_s() / static_cast<double>(made) * static_cast<double>(all - done) / 60.0;
     console.say(fmt::format("  [{}/{}] run {}: {}  {}", done, all, record.run, record.outcome,
                             valuesOf(record.base, record.factors)));
+    (void)std::fflush(stdout);  // A log says how far it is, whatever ends this.
     console.progress(-1.0,
                      fmt::format("{} of {} runs, about {:.0f} min left", done, all, std::ceil(left_min)));
   };

@@ -3,6 +3,7 @@
 
 #include <poll.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
@@ -77,6 +78,7 @@ int watch(const std::string& number, const SlurmOrder& order, const campaign::Pr
     const std::string line = fmt::format("{} of {} runs; array {}: {}", recordsIn(prepared, order.runs),
                                          order.runs, number, words);
     if (line != told) console.say("  " + line);
+    (void)std::fflush(stdout);
     told = line;
     if (stoppedWhileWaiting(signals, order.poll_s)) {
       console.result(fmt::format(
