@@ -13,7 +13,7 @@ namespace kerfbench::app {
 /// An array for Slurm, and how it is watched.
 struct SlurmOrder {
   campaign::SlurmArray array;
-  std::size_t runs{};  ///< Of the campaign.
+  std::size_t runs{};  ///< Runs of the whole campaign.
   double poll_s{5.0};  ///< Between two looks at the queue.
 };
 

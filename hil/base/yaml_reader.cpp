@@ -166,6 +166,16 @@ YamlReader YamlReader::openFile(const std::filesystem::path& path) {
   return YamlReader(std::move(node));
 }
 
+bool isYamlValue(const std::string& text) {
+  if (text.empty() || text.find_first_of("\n\r") != std::string::npos) return false;
+  try {
+    const YAML::Node node = YAML::Load(fmt::format("key: {}\n", text));
+    return node.IsMap() && node.size() == 1 && node["key"].IsDefined();
+  } catch (const YAML::Exception&) {
+    return false;
+  }
+}
+
 double YamlReader::number(std::string_view key, const Range& range) {
   const YAML::Node value = node_->take(key, range);
   if (!given(value)) {

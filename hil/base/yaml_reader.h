@@ -18,6 +18,10 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Whether a text stands for one value of YAML on one line, as it may stand behind "key: ": "200", "fast",
+/// "[1, 2]", "{a: 1}", "~".
+bool isYamlValue(const std::string& text);
+
 /// Reads a YAML mapping strictly: every key must be asked for, every value checked, and all faults are
 /// collected so that the user sees them at once. Typical use:
 ///

@@ -40,8 +40,8 @@ struct FactorRates {
 /// How small a fault of one kind is found, in runs of one base scenario.
 struct FaultDetection {
   std::string base, factor, fault;
-  Detection by_fail;     ///< Found: the run is FAIL.
-  Detection by_no_pass;  ///< Found: the run is not PASS, whatever else it is.
+  Detection by_fail;                    ///< Found: the run is FAIL.
+  Detection by_no_pass;                 ///< Found: the run is not PASS, whatever else it is.
   std::vector<Trial> fails, no_passes;  ///< Trials of both.
 };
 
@@ -52,10 +52,10 @@ struct CheckMargin {
   std::string check, unit;
   std::size_t runs{};  ///< Runs that passed, in which it was measured and has a limit other than zero.
   double least{}, median{};
-  CheckRecord thinnest;    ///< Where the margin is least.
+  CheckRecord thinnest;  ///< Where the margin is least.
   std::size_t thinnest_run{};
-  std::vector<double> margins;  ///< Of all runs, by index.
-  std::vector<std::size_t> at;  ///< Their runs.
+  std::vector<double> margins;  ///< Margins of all runs, by index.
+  std::vector<std::size_t> at;  ///< Runs of these margins.
 };
 
 /// How often a check did not pass.
@@ -73,7 +73,7 @@ struct Analysis {
   std::vector<FactorRates> rates;
   std::vector<FaultDetection> detections;
   std::vector<CheckMargin> margins;  ///< The thinnest first.
-  std::vector<CheckCount> counts;    ///< Those that found the most first.
+  std::vector<CheckCount> counts;    ///< Checks that found the most come first.
 };
 
 /// The records must be of one campaign.
@@ -89,6 +89,7 @@ std::string analysisPage(const Analysis& analysis, const std::vector<Record>& re
 std::vector<std::string> analysisLines(const Analysis& analysis);
 
 /// Writes analysis.json and campaign.html. @throws std::system_error.
-void writeAnalysis(const Analysis& analysis, const std::vector<Record>& records, const std::filesystem::path& folder);
+void writeAnalysis(const Analysis& analysis, const std::vector<Record>& records,
+                   const std::filesystem::path& folder);
 
 }  // namespace kerfbench::campaign

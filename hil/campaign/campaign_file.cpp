@@ -28,8 +28,7 @@ constexpr std::size_t kLongestName = 100;
 constexpr double kLeastInBounds = 0.01;
 
 bool isName(const std::string& text) {
-  constexpr std::string_view kLetters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_. ";
+  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_. ";
   return !text.empty() && text.size() <= kLongestName &&
          text.find_first_not_of(kLetters) == std::string::npos && base::trimmed(text) == text;
 }
@@ -72,8 +71,8 @@ Values readBounds(YamlReader& section, std::string_view key, Values::Kind kind) 
 /// What stands under `list_key`, or one of the distributions; nothing where there is none of them.
 std::optional<Values> readValues(YamlReader& section, std::string_view list_key) {
   std::vector<std::string> given;
-  for (const std::string_view key : {list_key, std::string_view("uniform"), std::string_view("log_uniform"),
-                                     std::string_view("normal")}) {
+  for (const std::string_view key :
+       {list_key, std::string_view("uniform"), std::string_view("log_uniform"), std::string_view("normal")}) {
     if (section.has(key)) given.emplace_back(key);
   }
   if (given.empty()) return std::nullopt;
@@ -99,8 +98,9 @@ std::optional<Values> readValues(YamlReader& section, std::string_view list_key)
 std::string readKey(YamlReader& section, std::string_view where) {
   std::string key = section.text(where);
   if (key.find('[') != std::string::npos) {
-    section.fault(where, fmt::format("{}: an element of a list cannot be changed by itself: set the whole list",
-                                     base::inQuotes(key)));
+    section.fault(where,
+                  fmt::format("{}: an element of a list cannot be changed by itself: set the whole list",
+                              base::inQuotes(key)));
   } else if (!key.empty() && !isKeyPath(key)) {
     section.fault(where, fmt::format("{} is no key: section.key", base::inQuotes(key)));
   } else if (key == "extends" || key == "name" || key == "version") {
@@ -109,10 +109,11 @@ std::string readKey(YamlReader& section, std::string_view where) {
   return key;
 }
 
-bool isYamlValue(const std::string& text, std::string_view holder) {
+bool isTemplate(const std::string& text, std::string_view holder) {
   std::string filled = text;
-  for (std::size_t at = 0; (at = filled.find(holder, at)) != std::string::npos;) filled.replace(at, holder.size(), "1");
-  return isOneValue(filled);
+  for (std::size_t at = 0; (at = filled.find(holder, at)) != std::string::npos;)
+    filled.replace(at, holder.size(), "1");
+  return base::isYamlValue(filled);
 }
 
 /// The file that a change is in: `key: …` of the scenario, or `machine: …`.
@@ -141,7 +142,7 @@ Change readChange(YamlReader& section, std::string_view holder, bool has_size) {
     const bool uses_size = change.text.find(holder) != std::string::npos;
     if (uses_size && !has_size)
       section.fault("set", fmt::format("has {}, and this fault has no size", holder));
-    if (!change.text.empty() && !isYamlValue(change.text, holder))
+    if (!change.text.empty() && !isTemplate(change.text, holder))
       section.fault("set", fmt::format("{} is no value of YAML on one line", base::inQuotes(change.text)));
     return change;
   }
@@ -153,14 +154,16 @@ Change readChange(YamlReader& section, std::string_view holder, bool has_size) {
 
 std::vector<Change> readChanges(YamlReader& section, std::string_view holder, bool has_size) {
   std::vector<Change> changes;
-  for (YamlReader& element : section.list("changes")) changes.push_back(readChange(element, holder, has_size));
+  for (YamlReader& element : section.list("changes"))
+    changes.push_back(readChange(element, holder, has_size));
   if (!section.has("changes")) return changes;
   if (changes.empty()) section.fault("changes", "needs one change or more");
   const bool uses = std::ranges::any_of(changes, [&](const Change& c) {
     return c.how != Change::How::kSet || c.text.find(holder) != std::string::npos;
   });
   if (has_size && !uses)
-    section.fault("changes", fmt::format("none of them depends on the {}", holder == kSizeHolder ? "size" : "value"));
+    section.fault("changes",
+                  fmt::format("none of them depends on the {}", holder == kSizeHolder ? "size" : "value"));
   return changes;
 }
 
@@ -169,7 +172,7 @@ void refuseWords(YamlReader& section, std::string_view key, const Kind& kind) {
   const bool needs_numbers =
       std::ranges::any_of(kind.changes, [](const Change& c) { return c.how != Change::How::kSet; });
   for (const std::string& value : kind.values->list) {
-    if (!isOneValue(value))
+    if (!base::isYamlValue(value))
       section.fault(key, fmt::format("{} is no value of YAML on one line", base::inQuotes(value)));
     if (needs_numbers && !base::numberFrom<double>(value))
       section.fault(key, fmt::format("{} is no number", base::inQuotes(value)));
@@ -193,7 +196,8 @@ Kind readFault(YamlReader& section) {
           section.fault("size", fmt::format("{} is no number", base::inQuotes(size)));
   }
   kind.changes = readChanges(section, kSizeHolder, kind.values.has_value());
-  if (kind.values && kind.changes.empty()) section.fault("size", "nothing is changed by it: 'changes' is missing");
+  if (kind.values && kind.changes.empty())
+    section.fault("size", "nothing is changed by it: 'changes' is missing");
   return kind;
 }
 
@@ -202,7 +206,8 @@ Factor readFaults(YamlReader& section, Factor factor) {
   std::set<std::string> seen;
   for (YamlReader& element : section.list("faults")) {
     factor.kinds.push_back(readFault(element));
-    if (!seen.insert(factor.kinds.back().name).second) element.fault("name", "is the name of another fault too");
+    if (!seen.insert(factor.kinds.back().name).second)
+      element.fault("name", "is the name of another fault too");
   }
   if (factor.kinds.empty()) section.fault("faults", "needs one fault or more");
   return factor;
@@ -214,8 +219,7 @@ Factor readFactor(YamlReader& section) {
   if (section.has("faults")) return readFaults(section, std::move(factor));
   Kind kind;
   kind.values = readValues(section, "values");
-  if (!kind.values)
-    section.fault("values", "missing: or 'uniform', 'log_uniform', 'normal', 'faults'");
+  if (!kind.values) section.fault("values", "missing: or 'uniform', 'log_uniform', 'normal', 'faults'");
   if (section.has("changes")) {
     kind.changes = readChanges(section, kValueHolder, true);
   } else {
@@ -232,8 +236,9 @@ std::vector<FixedKey> readFixed(YamlReader& file, std::string_view section, bool
   if (!file.has(section)) return fixed;
   for (const auto& [path, text] : file.leaves(section)) {
     fixed.push_back({of_machine, fmt::format("{}", fmt::join(path, ".")), text});
-    if (!isKeyPath(fixed.back().key) || !isOneValue(text))
-      file.fault(section, fmt::format("{} is no key with a value on one line", base::inQuotes(fixed.back().key)));
+    if (!isKeyPath(fixed.back().key) || !base::isYamlValue(text))
+      file.fault(section,
+                 fmt::format("{} is no key with a value on one line", base::inQuotes(fixed.back().key)));
   }
   return fixed;
 }
@@ -251,7 +256,8 @@ struct Setter {
 
 void refuseClashes(YamlReader& file, const Campaign& campaign) {
   std::vector<Setter> set;
-  for (const FixedKey& f : campaign.fixed) set.push_back({f.of_machine, f.key, f.of_machine ? "set_machine" : "set"});
+  for (const FixedKey& f : campaign.fixed)
+    set.push_back({f.of_machine, f.key, f.of_machine ? "set_machine" : "set"});
   const auto add = [&](const Setter& setter, std::size_t known, std::string_view at) {
     for (std::size_t i = 0; i < known; ++i)
       if (set[i].of_machine == setter.of_machine && clash(set[i].key, setter.key))
@@ -266,8 +272,8 @@ void refuseClashes(YamlReader& file, const Campaign& campaign) {
         add({c.of_machine, c.key, fmt::format("factor '{}'", factor.name)}, before, "factors");
         for (std::size_t i = own; i + 1 < set.size(); ++i)
           if (set[i].of_machine == c.of_machine && clash(set[i].key, c.key))
-            file.fault("factors", fmt::format("'{}' is changed twice by one and the same of factor '{}'", c.key,
-                                              factor.name));
+            file.fault("factors", fmt::format("'{}' is changed twice by one and the same of factor '{}'",
+                                              c.key, factor.name));
       }
     }
   }
@@ -277,7 +283,8 @@ bool setsSeed(const Campaign& campaign) {
   const auto isSeed = [](const auto& c) { return !c.of_machine && c.key == "seed"; };
   return std::ranges::any_of(campaign.fixed, isSeed) ||
          std::ranges::any_of(campaign.factors, [&](const Factor& f) {
-           return std::ranges::any_of(f.kinds, [&](const Kind& k) { return std::ranges::any_of(k.changes, isSeed); });
+           return std::ranges::any_of(f.kinds,
+                                      [&](const Kind& k) { return std::ranges::any_of(k.changes, isSeed); });
          });
 }
 
@@ -306,10 +313,10 @@ void readSize(YamlReader& file, Campaign& campaign) {
   const auto most = static_cast<double>(kMostRuns);
   if (file.has("draws") && file.has("repeats"))
     file.fault("repeats", "belongs to a grid, and 'draws' makes none: give one of the two");
-  campaign.draws =
-      static_cast<std::size_t>(std::clamp<std::int64_t>(file.integer("draws", {.min = 1, .max = most, .fallback = 0}), 0, kMostRuns));
-  campaign.repeats = static_cast<std::size_t>(
-      std::clamp<std::int64_t>(file.integer("repeats", {.min = 1, .max = most, .fallback = 1}), 1, kMostRuns));
+  campaign.draws = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(file.integer("draws", {.min = 1, .max = most, .fallback = 0}), 0, kMostRuns));
+  campaign.repeats = static_cast<std::size_t>(std::clamp<std::int64_t>(
+      file.integer("repeats", {.min = 1, .max = most, .fallback = 1}), 1, kMostRuns));
 }
 
 Campaign readFrom(YamlReader& file, const fs::path& path) {

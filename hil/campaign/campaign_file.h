@@ -12,7 +12,8 @@
 
 namespace kerfbench::campaign {
 
-/// A change of one key of a run's scenario, or of its machine, by the size of a fault or the value of a factor.
+/// A change of one key of a run's scenario, or of its machine, by the size of a fault or the value of a
+/// factor.
 struct Change {
   enum class How {
     kSet,    ///< `text`, in which the place holder stands for the size.
@@ -39,7 +40,7 @@ struct Values {
 
 /// One way in which a factor acts: by values, or the fault of one name by its sizes.
 struct Kind {
-  std::string name;              ///< Of a fault; empty for the values of a factor.
+  std::string name;              ///< Name of a fault; empty for the values of a factor.
   std::optional<Values> values;  ///< Absent for a fault without a size.
   std::vector<Change> changes;   ///< Empty for the fault "none".
 };
@@ -47,7 +48,7 @@ struct Kind {
 /// Something that differs from run to run.
 struct Factor {
   std::string name;
-  bool is_fault{};          ///< Its kinds are faults by name, of which a run has one.
+  bool is_fault{};          ///< The kinds are faults by name, of which a run has one.
   std::vector<Kind> kinds;  ///< One, without a name, unless it is a fault.
 };
 

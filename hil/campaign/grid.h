@@ -15,7 +15,7 @@ namespace kerfbench::campaign {
 struct FactorValue {
   std::string factor;
   std::string value;           ///< The value as text; of a fault its name.
-  std::optional<double> size;  ///< Of a fault that has one.
+  std::optional<double> size;  ///< Size of a fault that has one.
   std::size_t kind{};          ///< Index in Factor::kinds.
 
   friend bool operator==(const FactorValue&, const FactorValue&) = default;
@@ -39,8 +39,8 @@ std::size_t pointsOf(const Campaign& campaign);
 /// same in any shard and any order.
 ///
 /// In a grid the last factor runs the fastest, and the repeats of a point follow each other. What is drawn is
-/// a pure function of seed, name of the factor and index (CounterRandom), rounded to six digits: a factor that
-/// is added or moved changes no other one's values.
+/// a pure function of seed, name of the factor and index (CounterRandom), rounded to six digits: a factor
+/// that is added or moved changes no other one's values.
 RunPlan planOf(const Campaign& campaign, std::size_t index);
 
 /// Runs of shard `shard` of `shards`, 1 … shards, of so many: every shards-th.

@@ -15,7 +15,7 @@ namespace kerfbench::campaign {
 
 /// A folder of results, made ready for the runs of one campaign.
 struct Prepared {
-  std::filesystem::path folder;   ///< Absolute.
+  std::filesystem::path folder;  ///< Absolute.
   std::string identity;          ///< SHA-256 over bench, campaign file and all files that its runs depend on.
 
   [[nodiscard]] std::filesystem::path scenarios() const { return folder / "scenarios"; }
@@ -26,7 +26,7 @@ struct Prepared {
 /// What the results depend on besides the files that the runs name.
 struct BenchFiles {
   scenario::ImagePath images;
-  std::vector<std::filesystem::path> programs;  ///< Those that run; what is not there is left out.
+  std::vector<std::filesystem::path> programs;  ///< Programs that run; what is not there is left out.
 };
 
 /// Writes the scenarios of all runs, reads each with its machine as `kerfbench run` will, and puts down the

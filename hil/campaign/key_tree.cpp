@@ -2,7 +2,6 @@
 #include "hil/campaign/key_tree.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>
@@ -54,16 +53,6 @@ bool isKeyPath(const std::string& text) {
     }
   }
   return name_begun;
-}
-
-bool isOneValue(const std::string& text) {
-  if (text.empty() || text.find_first_of("\n\r") != std::string::npos) return false;
-  try {
-    const YAML::Node node = YAML::Load(fmt::format("key: {}\n", text));
-    return node.IsMap() && node.size() == 1 && node["key"].IsDefined();
-  } catch (const YAML::Exception&) {
-    return false;
-  }
 }
 
 std::string yamlOf(const std::vector<KeyValue>& keys) {

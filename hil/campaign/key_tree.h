@@ -13,9 +13,6 @@ namespace kerfbench::campaign {
 /// points between them.
 bool isKeyPath(const std::string& text);
 
-/// Whether a text stands for one value of YAML that fits on a line: "200", "fast", "[1, 2]", "{a: 1}", "~".
-bool isOneValue(const std::string& text);
-
 /// A key with its sections, and its value as text of YAML.
 using KeyValue = std::pair<std::string, std::string>;
 

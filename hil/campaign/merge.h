@@ -13,10 +13,11 @@ namespace kerfbench::campaign {
 
 /// The records of a campaign, brought together.
 struct Merged {
-  std::vector<Record> records;        ///< By index.
-  std::vector<std::size_t> missing;   ///< Runs without a record.
-  std::vector<std::string> damaged;   ///< Records that cannot be used; each names its file. Their runs are missing.
-  std::string digest;                 ///< SHA-256 of results.jsonl; empty unless it was written.
+  std::vector<Record> records;       ///< Ordered by index.
+  std::vector<std::size_t> missing;  ///< Runs without a record.
+  std::vector<std::string>
+      damaged;         ///< Records that cannot be used; each names its file. Their runs are missing.
+  std::string digest;  ///< SHA-256 of results.jsonl; empty unless it was written.
 
   [[nodiscard]] bool isWhole() const { return missing.empty(); }
 };

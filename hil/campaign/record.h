@@ -37,8 +37,8 @@ struct Record {
   std::optional<std::uint64_t> seed;
   std::string outcome;              ///< "PASS", "FAIL", "NOT PROVEN", "INVALID", kRefused or kBroken.
   std::string reason;               ///< Why there is no verdict.
-  std::vector<CheckRecord> checks;  ///< By name.
-  std::string digest;               ///< Of the verdict; empty without one.
+  std::vector<CheckRecord> checks;  ///< Ordered by name.
+  std::string digest;               ///< Digest of the verdict; empty without one.
 
   friend bool operator==(const Record&, const Record&) = default;
 };
@@ -65,8 +65,8 @@ class RecordFolder {
 
   /// What is known of a run.
   struct Found {
-    std::string line;     ///< Empty without a record that can be used.
-    std::string damage;   ///< Why the record that is there cannot be used; names the file.
+    std::string line;    ///< Empty without a record that can be used.
+    std::string damage;  ///< Why the record that is there cannot be used; names the file.
   };
   [[nodiscard]] Found find(std::size_t run) const;
 

@@ -12,13 +12,13 @@ namespace kerfbench::campaign {
 
 /// An array of jobs of Slurm, one for each shard.
 struct SlurmArray {
-  std::string name;                        ///< The campaign's.
-  std::size_t shards{};                    ///< >= 1.
-  int cpus{1};                             ///< Of each shard: so many runs at a time.
-  std::filesystem::path program;           ///< kerfbench, absolute; the nodes must see it by this name,
-  std::filesystem::path campaign, folder;  ///< and these two as well, absolute.
-  std::string keep;                        ///< Value of --keep.
-  std::vector<std::string> options;        ///< For sbatch, as they are: "--partition=night".
+  std::string name;      ///< The campaign's.
+  std::size_t shards{};  ///< >= 1.
+  int cpus{1};           ///< Processors of each shard, and so many runs at a time.
+  /// kerfbench, campaign file and folder of results: absolute, and seen by the nodes by the same names.
+  std::filesystem::path program, campaign, folder;
+  std::string keep;                  ///< Value of --keep.
+  std::vector<std::string> options;  ///< For sbatch, as they are: "--partition=night".
 };
 
 /// The script for sbatch: an array with a task for each shard, which Slurm queues again when its node fails.

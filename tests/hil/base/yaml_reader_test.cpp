@@ -163,5 +163,11 @@ TEST_F(YamlReaderTest, AKeyThatIsTakenAwayIsAsIfItWereNotThere) {
   EXPECT_EQ(faultsOf(file), "");
 }
 
+TEST(YamlValue, IsWhatMayStandBehindAKey) {
+  for (const char* good : {"1", "fast", "[1, 2]", "{a: 1}", "~", "'x: y'"})
+    EXPECT_TRUE(isYamlValue(good)) << good;
+  for (const char* bad : {"", "[1", "a\nb: 2", "a: b", "}"}) EXPECT_FALSE(isYamlValue(bad)) << bad;
+}
+
 }  // namespace
 }  // namespace kerfbench::base

@@ -35,7 +35,7 @@ TEST(CampaignAnalysis, RatesCountWhatWasJudged) {
   ASSERT_EQ(a.rates.size(), 1U);
   const std::vector<RateRow>& rows = a.rates[0].rows;
   ASSERT_EQ(rows.size(), 3U);
-  EXPECT_EQ(rows[0].value, "9");  // By number, not by letters.
+  EXPECT_EQ(rows[0].value, "9");  // Values are in the order of numbers, not of letters.
   EXPECT_NEAR(rows[0].pass_rate->low, 0.1871, 5e-5);
   EXPECT_NEAR(rows[0].pass_rate->high, 0.8129, 5e-5);
   EXPECT_NEAR(rows[1].pass_rate->low, 0.6915, 5e-5);
