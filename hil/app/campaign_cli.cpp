@@ -33,7 +33,7 @@ void addSlurmOptions(CLI::App& command, CampaignOptions& options) {
 void addCampaign(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   const auto options = std::make_shared<CampaignOptions>();
   options->bin_dir = program.bin_dir;
-  options->jobs = program.jobs;
+  options->cores = program.jobs;
   CLI::App* command = app.add_subcommand(
       "campaign",
       "Many runs by a campaign file: a grid, or random draws, of faults, keys of scenario and machine, and "
@@ -48,7 +48,7 @@ void addCampaign(CLI::App& app, const cli::CliProgram& program, cli::CliActions&
                       "Folder for records, page and JSON, by default results/campaigns/NAME");
   command
       ->add_option("--jobs,-j", options->jobs,
-                   "Runs at a time, of a task of Slurm as well; by default as many as processors")
+                   "Runs at a time: here by default as many as there are processors, of a task of Slurm one")
       ->check(CLI::Range(1, 256));
   command->add_option("--shard", options->shard, "I/N: every N-th run, from the I-th; nothing is merged");
   command->add_flag("--merge", options->merge, "Run nothing: bring the records together and analyse them");

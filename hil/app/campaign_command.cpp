@@ -80,7 +80,7 @@ int runHere(const campaign::Campaign& campaign, const campaign::Prepared& prepar
             const CampaignOptions& options, batch::StopSignals& signals, base::Console& console) {
   campaign::ShardOptions shard;
   if (!options.shard.empty()) std::tie(shard.shard, shard.shards) = shardFrom(options.shard);
-  shard.at_once = options.jobs;
+  shard.at_once = options.jobs > 0 ? options.jobs : options.cores;
   shard.keep = keepFrom(options.keep);
   shard.program = options.bin_dir / kPrograms.front();
   shard.signals = &signals;
@@ -138,7 +138,7 @@ SlurmOrder slurmOrder(const campaign::Campaign& campaign, const campaign::Prepar
   order.array = {
       .name = campaign.name,
       .shards = options.shards > 0 ? std::min(options.shards, most) : std::min<std::size_t>(most, 100),
-      .cpus = options.jobs,
+      .cpus = std::max(options.jobs, 1),
       .program = options.bin_dir / kPrograms.front(),
       .campaign = campaign.path,
       .folder = prepared.folder,
@@ -164,10 +164,10 @@ int runCampaign(const CampaignOptions& options, base::Console& console) {
     return mergeAndTell(known.prepared, known, options.partial, console);
   }
   if (!options.shard.empty()) (void)shardFrom(options.shard);
-  batch::StopSignals signals;
   const campaign::Prepared prepared =
       campaign::prepare(*campaign, output, benchFiles(options.bin_dir), base::progressOn(console));
   console.endProgress();
+  batch::StopSignals signals;
   int code = 0;
   if (options.slurm || options.submit) {
     code = handToSlurm(slurmOrder(*campaign, prepared, options), prepared, options.submit, signals, console);

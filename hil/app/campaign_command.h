@@ -12,7 +12,8 @@ struct CampaignOptions {
   std::filesystem::path file;     ///< Campaign file; may be empty with `merge`.
   std::filesystem::path output;   ///< Folder of the results; empty: by the campaign's name.
   std::filesystem::path bin_dir;  ///< Where kerfbench and its children are.
-  int jobs{1};                    ///< Runs at a time.
+  int jobs{};                     ///< Runs at a time; 0: `cores` here, one for each task of Slurm.
+  int cores{1};                   ///< Processors of this computer.
   std::string shard;              ///< "2/7"; empty: all runs, then merged.
   std::string keep{"none"};       ///< "none", "bad", "all"
   bool list{};                    ///< Only says which runs there are.

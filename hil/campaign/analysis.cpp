@@ -133,7 +133,8 @@ std::vector<CheckMargin> allMargins(const std::vector<Record>& records) {
     m.median = medianOf(m.margins);
     list.push_back(std::move(m));
   }
-  std::ranges::stable_sort(list, [](const CheckMargin& a, const CheckMargin& b) { return a.least < b.least; });
+  std::ranges::stable_sort(list,
+                           [](const CheckMargin& a, const CheckMargin& b) { return a.least < b.least; });
   return list;
 }
 
@@ -177,7 +178,8 @@ void Outcomes::add(const std::string& outcome) {
 
 std::optional<double> marginOf(const CheckRecord& check) {
   if (!check.value || !check.limit || *check.limit == 0.0) return std::nullopt;
-  const double left = check.lower ? *check.value - check.u - *check.limit : *check.limit - *check.value - check.u;
+  const double left =
+      check.lower ? *check.value - check.u - *check.limit : *check.limit - *check.value - check.u;
   return left / std::abs(*check.limit);
 }
 
@@ -192,7 +194,8 @@ Analysis analyse(const std::vector<Record>& records) {
   return analysis;
 }
 
-void writeAnalysis(const Analysis& analysis, const std::vector<Record>& records, const std::filesystem::path& folder) {
+void writeAnalysis(const Analysis& analysis, const std::vector<Record>& records,
+                   const std::filesystem::path& folder) {
   base::writeFileAtomically(folder / "analysis.json", analysisJson(analysis));
   base::writeFileAtomically(folder / "campaign.html", analysisPage(analysis, records));
 }

@@ -23,7 +23,7 @@ constexpr std::size_t kMostLines = 5;
 PageJson jsonOf(const std::optional<double>& value) { return value ? PageJson(*value) : PageJson(nullptr); }
 
 PageJson jsonOf(const Outcomes& o) {
-  return {{"all", o.all()},         {"PASS", o.pass},       {"FAIL", o.fail},    {"NOT PROVEN", o.not_proven},
+  return {{"all", o.all()},       {"PASS", o.pass},       {"FAIL", o.fail},    {"NOT PROVEN", o.not_proven},
           {"INVALID", o.invalid}, {"REFUSED", o.refused}, {"BROKEN", o.broken}};
 }
 
@@ -32,8 +32,7 @@ PageJson jsonOf(const FactorRates& rates) {
   for (const RateRow& row : rates.rows) {
     PageJson json{{"value", row.value}, {"runs", jsonOf(row.outcomes)}};
     if (row.pass_rate) {
-      json["pass_rate"] =
-          static_cast<double>(row.outcomes.pass) / static_cast<double>(row.outcomes.judged());
+      json["pass_rate"] = static_cast<double>(row.outcomes.pass) / static_cast<double>(row.outcomes.judged());
       json["pass_rate_95"] = {row.pass_rate->low, row.pass_rate->high};
     } else {
       json["pass_rate"] = nullptr;
@@ -70,12 +69,13 @@ PageJson jsonOf(const CheckMargin& m) {
           {"runs", m.runs},
           {"least_margin", m.least},
           {"median_margin", m.median},
-          {"thinnest", {{"run", m.thinnest_run},
-                        {"value", jsonOf(m.thinnest.value)},
-                        {"U", m.thinnest.u},
-                        {"limit", jsonOf(m.thinnest.limit)},
-                        {"limit_is", m.thinnest.lower ? "lower" : "upper"},
-                        {"unit", m.unit}}}};
+          {"thinnest",
+           {{"run", m.thinnest_run},
+            {"value", jsonOf(m.thinnest.value)},
+            {"U", m.thinnest.u},
+            {"limit", jsonOf(m.thinnest.limit)},
+            {"limit_is", m.thinnest.lower ? "lower" : "upper"},
+            {"unit", m.unit}}}};
 }
 
 std::string lineOf(const RateRow& row) {
@@ -109,15 +109,16 @@ std::string detectionWords(const Detection& d) {
 }
 
 std::string outcomeWords(const Outcomes& o) {
-  std::string words = fmt::format("{} PASS, {} FAIL, {} NOT PROVEN, {} INVALID", o.pass, o.fail, o.not_proven, o.invalid);
+  std::string words =
+      fmt::format("{} PASS, {} FAIL, {} NOT PROVEN, {} INVALID", o.pass, o.fail, o.not_proven, o.invalid);
   if (o.refused > 0) words += fmt::format(", {} refused", o.refused);
   if (o.broken > 0) words += fmt::format(", {} broken", o.broken);
   return words;
 }
 
 std::string marginWords(const CheckMargin& m) {
-  return fmt::format("{:.4g} ± {:.2g} {} {} {:.4g}", m.thinnest.value.value_or(std::nan("")), m.thinnest.u, m.unit,
-                     m.thinnest.lower ? ">=" : "<=", m.thinnest.limit.value_or(std::nan("")));
+  return fmt::format("{:.4g} ± {:.2g} {} {} {:.4g}", m.thinnest.value.value_or(std::nan("")), m.thinnest.u,
+                     m.unit, m.thinnest.lower ? ">=" : "<=", m.thinnest.limit.value_or(std::nan("")));
 }
 
 std::string analysisJson(const Analysis& a) {
@@ -156,11 +157,12 @@ std::vector<std::string> analysisLines(const Analysis& a) {
     lines.push_back(std::move(line));
   }
   for (const FaultDetection& d : a.detections)
-    lines.push_back(fmt::format("{} in {}: found {} of {}; {}", d.fault, d.base, d.by_fail.found, d.by_fail.trials,
-                                detectionWords(d.by_fail)));
+    lines.push_back(fmt::format("{} in {}: found {} of {}; {}", d.fault, d.base, d.by_fail.found,
+                                d.by_fail.trials, detectionWords(d.by_fail)));
   for (std::size_t i = 0; i < std::min(kMostLines, a.margins.size()); ++i)
-    lines.push_back(fmt::format("thin margin: {} {:.1f} % in run {}: {}", a.margins[i].check, 100.0 * a.margins[i].least,
-                                a.margins[i].thinnest_run, marginWords(a.margins[i])));
+    lines.push_back(fmt::format("thin margin: {} {:.1f} % in run {}: {}", a.margins[i].check,
+                                100.0 * a.margins[i].least, a.margins[i].thinnest_run,
+                                marginWords(a.margins[i])));
   return lines;
 }
 

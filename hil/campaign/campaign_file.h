@@ -76,7 +76,7 @@ struct Campaign {
 };
 
 /// Most runs that a campaign may have.
-inline constexpr std::size_t kMostRuns = 1'000'000;
+inline constexpr std::size_t kMostRuns = 100'000;
 /// In the text of a change: the size of a fault, the value of a factor.
 inline constexpr const char* kSizeHolder = "{size}";
 inline constexpr const char* kValueHolder = "{value}";

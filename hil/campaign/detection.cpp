@@ -21,7 +21,9 @@ constexpr double kFarthest = 1e4;
 
 /// ln(1 + exp(t)) without overflow.
 double softPlus(double t) { return t > 0.0 ? t + std::log1p(std::exp(-t)) : std::log1p(std::exp(t)); }
-double logistic(double t) { return t >= 0.0 ? 1.0 / (1.0 + std::exp(-t)) : std::exp(t) / (1.0 + std::exp(t)); }
+double logistic(double t) {
+  return t >= 0.0 ? 1.0 / (1.0 + std::exp(-t)) : std::exp(t) / (1.0 + std::exp(t));
+}
 
 /// Trials at one place: x in units of the spread about the middle.
 struct Place {
@@ -126,7 +128,8 @@ double savedLikelihood(const std::vector<Place>& places) {
   return value;
 }
 
-SizeEstimate estimateOf(const std::vector<Place>& places, const Scale& scale, double a, double b, double chance) {
+SizeEstimate estimateOf(const std::vector<Place>& places, const Scale& scale, double a, double b,
+                        double chance) {
   const double level = std::log(chance / (1.0 - chance));
   const double best = likelihoodOf(places, a, b).value, place = (level - a) / b;
   SizeEstimate estimate{.size = scale.sizeAt(place), .low = std::nullopt, .high = std::nullopt};

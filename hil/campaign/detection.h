@@ -49,8 +49,8 @@ struct Detection {
 inline constexpr double kLogarithmicFrom = 4.0;
 
 /// Fits the curve. Trials whose sizes part the found from the missed, or that are all found or all missed,
-/// or of one size, have no finite maximum of the likelihood (Albert and Anderson, Biometrika 71 (1984) 1): they
-/// are not fitted.
+/// or of one size, have no finite maximum of the likelihood (Albert and Anderson, Biometrika 71 (1984) 1):
+/// they are not fitted.
 Detection detectionOf(const std::vector<Trial>& trials);
 
 }  // namespace kerfbench::campaign

@@ -84,7 +84,8 @@ FactorValue factorValue(const Campaign& campaign, const Factor& factor, std::siz
   }
   const Kind& kind = factor.kinds[result.kind];
   const std::string stream = factor.is_fault ? factor.name + "/" + kind.name : factor.name;
-  const std::string value = kind.values ? valueOf(campaign, *kind.values, stream, index, level) : std::string();
+  const std::string value =
+      kind.values ? valueOf(campaign, *kind.values, stream, index, level) : std::string();
   result.value = factor.is_fault ? kind.name : value;
   if (factor.is_fault && kind.values) result.size = base::numberFrom<double>(value);
   return result;

@@ -55,15 +55,16 @@ class RunFaults {
       const std::string line = message.substr(at, end - at);
       // "FILE:LINE: what", of which the file is the run's.
       const std::size_t what = line.find(": ");
-      if (seen_.insert(what == std::string::npos ? line : line.substr(what)).second && ++count_ <= kMostFaults)
+      if (seen_.insert(what == std::string::npos ? line : line.substr(what)).second &&
+          ++count_ <= kMostFaults)
         told_ += (told_.empty() ? "" : "\n") + line;
       at = end + 1;
     }
   }
   void throwIfAny() const {
     if (count_ == 0) return;
-    throw base::ConfigError(count_ <= kMostFaults ? told_
-                                                  : fmt::format("{}\nand {} more", told_, count_ - kMostFaults));
+    throw base::ConfigError(
+        count_ <= kMostFaults ? told_ : fmt::format("{}\nand {} more", told_, count_ - kMostFaults));
   }
 
  private:
@@ -130,7 +131,8 @@ void refuseForeign(const fs::path& folder) {
 ordered_json listIn(const fs::path& folder) {
   const fs::path file = folder / kList;
   const std::optional<std::string> content = base::fileContent(file);
-  if (!content) throw base::InputError(fmt::format("{}: has no {}: no campaign was run into it", folder.string(), kList));
+  if (!content)
+    throw base::InputError(fmt::format("{}: has no {}: no campaign was run into it", folder.string(), kList));
   const ordered_json json = ordered_json::parse(*content, nullptr, false);
   if (!json.is_object() || json.value("schema_version", 0) != kListVersion)
     throw base::InputError(fmt::format("{}: is no list of a campaign that this bench reads", file.string()));
@@ -139,18 +141,19 @@ ordered_json listIn(const fs::path& folder) {
 
 Prepared known(const Campaign& campaign, const fs::path& folder, const ordered_json& list) {
   if (list.at("campaign_sha256") != sumOfCampaignFiles(campaign))
-    throw base::InputError(fmt::format(
-        "{}: was made for the campaign '{}' as its file was: name another folder for {}", folder.string(),
-        list.at("name").get<std::string>(), campaign.path.string()));
+    throw base::InputError(
+        fmt::format("{}: was made for the campaign '{}' as its file was: name another folder for {}",
+                    folder.string(), list.at("name").get<std::string>(), campaign.path.string()));
   if (list.at("bench") != base::version())
     throw base::InputError(fmt::format("{}: was made by kerfbench {}, and this is {}", folder.string(),
                                        list.at("bench").get<std::string>(), base::version()));
   for (const ordered_json& file : list.at("files")) {
     const fs::path path = (folder / file.at("file").get<std::string>()).lexically_normal();
     if (!fs::is_regular_file(path) || base::sha256File(path) != file.at("sha256"))
-      throw base::InputError(fmt::format("{}: {} has changed since this campaign was begun: its runs would not "
-                                         "belong together",
-                                         folder.string(), path.string()));
+      throw base::InputError(
+          fmt::format("{}: {} has changed since this campaign was begun: its runs would not "
+                      "belong together",
+                      folder.string(), path.string()));
   }
   return {folder, list.at("identity").get<std::string>()};
 }
@@ -173,8 +176,9 @@ Prepared prepare(const Campaign& campaign, const fs::path& asked, const BenchFil
   fs::create_directories(folder / "scenarios");
   const FileSums files = readAllRuns(campaign, folder / "scenarios", bench, progress);
   std::vector<std::string> sums;
-  ordered_json list{{"schema_version", kListVersion}, {"name", campaign.name},         {"title", campaign.title},
-                    {"bench", base::version()},       {"runs", campaign.runs()},       {"campaign_sha256", sumOfCampaignFiles(campaign)},
+  ordered_json list{{"schema_version", kListVersion}, {"name", campaign.name},
+                    {"title", campaign.title},        {"bench", base::version()},
+                    {"runs", campaign.runs()},        {"campaign_sha256", sumOfCampaignFiles(campaign)},
                     {"files", ordered_json::array()}};
   for (const auto& [file, sum] : files.all()) {
     list["files"].push_back({{"file", file.lexically_relative(folder).string()}, {"sha256", sum}});

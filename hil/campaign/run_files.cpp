@@ -54,8 +54,9 @@ class RunKeys {
     }
     if (plan_.seed) scenario_.emplace_back("seed", fmt::format("{}", *plan_.seed));
     scenario_.emplace_back("name", fmt::format("{}-{}", campaign_.name, runName(plan_.index)));
-    RunFiles files{fmt::format("# {}\nextends: {}\n{}", headline(), asSeenFrom(folder_, base_), yamlOf(scenario_)),
-                   std::nullopt};
+    RunFiles files{
+        fmt::format("# {}\nextends: {}\n{}", headline(), asSeenFrom(folder_, base_), yamlOf(scenario_)),
+        std::nullopt};
     if (changes_machine)
       files.machine = fmt::format("# {}\nextends: {}\n{}", headline(), asSeenFrom(folder_, machine_),
                                   yamlOf(machine_keys_));
@@ -64,7 +65,8 @@ class RunKeys {
 
  private:
   [[nodiscard]] std::string headline() const {
-    return fmt::format("Run {} of the campaign {}, written by kerfbench campaign.", plan_.index, campaign_.name);
+    return fmt::format("Run {} of the campaign {}, written by kerfbench campaign.", plan_.index,
+                       campaign_.name);
   }
   [[nodiscard]] std::string machineName() const { return runName(plan_.index) + ".machine.yaml"; }
 
@@ -84,7 +86,8 @@ class RunKeys {
     for (std::size_t i = 0; i < plan_.factors.size(); ++i) {
       const Factor& factor = campaign_.factors[i];
       for (const Change& change : factor.kinds[plan_.factors[i].kind].changes)
-        if (change.of_machine == of_machine) add(of_machine, change.key, textOf(factor, plan_.factors[i], change));
+        if (change.of_machine == of_machine)
+          add(of_machine, change.key, textOf(factor, plan_.factors[i], change));
     }
   }
 
@@ -97,8 +100,11 @@ class RunKeys {
     (of_machine ? machine_keys_ : scenario_).emplace_back(key, value);
   }
 
-  [[nodiscard]] std::string textOf(const Factor& factor, const FactorValue& value, const Change& change) const {
-    const std::string size = !factor.is_fault ? value.value : value.size ? fmt::format("{}", *value.size) : "";
+  [[nodiscard]] std::string textOf(const Factor& factor, const FactorValue& value,
+                                   const Change& change) const {
+    const std::string size = !factor.is_fault ? value.value
+                             : value.size     ? fmt::format("{}", *value.size)
+                                              : "";
     if (change.how == Change::How::kSet)
       return withSize(change.text, factor.is_fault ? kSizeHolder : kValueHolder, size);
     const fs::path& file = change.of_machine ? machine_ : base_;
@@ -111,7 +117,7 @@ class RunKeys {
           change.key, file.string(), given ? fmt::format("it is '{}'", *given) : std::string("is none")));
     }
     return fmt::format("{:.12g}", change.how == Change::How::kScale ? *number * (1.0 + change.by * *by)
-                                                                     : *number + change.by * *by);
+                                                                    : *number + change.by * *by);
   }
 
   /// The machine that the run's own extends. Its camera calibrations that lie beside it unnamed are named.
@@ -124,7 +130,8 @@ class RunKeys {
     }
     for (const char* camera : {"spot", "kerf"}) {
       const std::string key = fmt::format("cameras.{}.calibration", camera);
-      const fs::path beside = file.parent_path() / fmt::format("{}.{}.camera.yaml", file.stem().string(), camera);
+      const fs::path beside =
+          file.parent_path() / fmt::format("{}.{}.camera.yaml", file.stem().string(), camera);
       if (!fileAt(file, key) && fs::is_regular_file(beside))
         machine_keys_.emplace_back(key, asSeenFrom(folder_, beside));
     }
