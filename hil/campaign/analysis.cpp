@@ -53,7 +53,7 @@ std::vector<RateRow> byRanges(const ByValue& by_value, std::size_t runs) {
     const std::size_t wanted = runs * (rows.size() + 1) / kRanges;
     if (told + in_range.size() < wanted) continue;
     told += in_range.size();
-    rows.push_back(rowOf(first == last ? first : first + " … " + last, in_range));
+    rows.push_back(rowOf(first == last ? first : fmt::format("{} … {}", first, last), in_range));
     in_range.clear();
   }
   return rows;
@@ -109,10 +109,15 @@ std::vector<FaultDetection> allDetections(const std::vector<Record>& records) {
   return detections;
 }
 
-std::vector<CheckMargin> allMargins(const std::vector<Record>& records) {
+bool isGood(const Record& record) {
+  return record.outcome != kRefused && record.outcome != kBroken &&
+         std::ranges::none_of(record.factors, [](const FactorValue& f) { return f.size.has_value(); });
+}
+
+std::vector<CheckMargin> allMargins(const std::vector<Record>& records, bool of_good) {
   std::map<std::string, CheckMargin> margins;
   for (const Record& record : records) {
-    if (record.outcome != "PASS") continue;
+    if (of_good ? !isGood(record) : record.outcome != "PASS") continue;
     for (const CheckRecord& check : record.checks) {
       const std::optional<double> margin = marginOf(check);
       if (!margin) continue;
@@ -189,7 +194,8 @@ Analysis analyse(const std::vector<Record>& records) {
   analysis.runs = records.size();
   analysis.rates = allRates(records);
   analysis.detections = allDetections(records);
-  analysis.margins = allMargins(records);
+  analysis.margins_of_good = std::ranges::any_of(records, isGood);
+  analysis.margins = allMargins(records, analysis.margins_of_good);
   analysis.counts = allCounts(records);
   return analysis;
 }

@@ -45,12 +45,13 @@ struct FaultDetection {
   std::vector<Trial> fails, no_passes;  ///< Trials of both.
 };
 
-/// How near the runs that passed came to the limit of a check.
+/// How near runs came to the limit of a check: those without a fault of a size, whatever their verdict; where
+/// there are none of them, those that passed.
 ///
 ///     margin = (limit - (value + U)) / |limit|, for a lower limit ((value - U) - limit) / |limit|
 struct CheckMargin {
   std::string check, unit;
-  std::size_t runs{};  ///< Runs that passed, in which it was measured and has a limit other than zero.
+  std::size_t runs{};  ///< Those of them in which it was measured and has a limit other than zero.
   double least{}, median{};
   CheckRecord thinnest;  ///< Where the margin is least.
   std::size_t thinnest_run{};
@@ -73,6 +74,7 @@ struct Analysis {
   std::vector<FactorRates> rates;
   std::vector<FaultDetection> detections;
   std::vector<CheckMargin> margins;  ///< The thinnest first.
+  bool margins_of_good{};            ///< They are of runs without a fault of a size.
   std::vector<CheckCount> counts;    ///< Checks that found the most come first.
 };
 

@@ -258,8 +258,7 @@ std::string marginPlot(const CheckMargin& m, const std::string& factor,
     fmt::format_to(std::back_inserter(dots), "M{:.1f} {:.1f}h0", plot.x(points[i].first),
                    plot.y(100.0 * points[i].second));
   plot.raw(fmt::format("<path class=dots d='{}'/>", dots));
-  return plot.figure(
-      fmt::format("Margin of <b>{}</b> over {}, runs that passed.", escapeHtml(m.check), escapeHtml(factor)));
+  return plot.figure(fmt::format("Margin of <b>{}</b> over {}.", escapeHtml(m.check), escapeHtml(factor)));
 }
 
 /// Values of each factor in each run, where they are numbers; a fault's size is one as well.
@@ -289,9 +288,12 @@ std::string marginSection(const Analysis& a, const std::vector<Record>& records)
       plots += plot;
     }
   return marginTable(a) + (plots.empty() ? "" : "<div class=figs>" + plots + "</div>") +
-         "<p class=note>Runs that passed. Margin: what value and U (k = 2) leave of the limit, as a share of "
-         "it. Checks "
-         "with the limit zero have none.</p>";
+         fmt::format(
+             "<p class=note>{}. Margin: what value and U (k = 2) leave of the limit, as a share of it; below "
+             "zero nothing "
+             "is left. Checks with the limit zero have none.</p>",
+             a.margins_of_good ? "Runs without a fault of a size, whatever their verdict"
+                               : "Runs that passed");
 }
 
 std::string countSection(const Analysis& a) {

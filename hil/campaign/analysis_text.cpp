@@ -44,11 +44,16 @@ PageJson jsonOf(const FactorRates& rates) {
 }
 
 PageJson jsonOf(const SizeEstimate& e) {
-  return {{"size", e.size}, {"low_95", jsonOf(e.low)}, {"high_95", jsonOf(e.high)}};
+  return {{"size", e.size},
+          {"low_95", jsonOf(e.low)},
+          {"high_95", jsonOf(e.high)},
+          {"extrapolated", e.is_extrapolated}};
 }
 
 PageJson jsonOf(const Detection& d) {
   PageJson json{{"runs", d.trials},
+                {"smallest_tried", d.smallest},
+                {"largest_tried", d.largest},
                 {"found", d.found},
                 {"largest_missed", jsonOf(d.largest_missed)},
                 {"smallest_found", jsonOf(d.smallest_found)},
@@ -95,7 +100,8 @@ std::string sizeWords(const SizeEstimate& e) {
   const auto bound = [](const std::optional<double>& b) {
     return b ? fmt::format("{:.3g}", *b) : std::string("no bound");
   };
-  return fmt::format("{:.3g} ({} … {})", e.size, bound(e.low), bound(e.high));
+  return fmt::format("{:.3g} ({} … {}){}", e.size, bound(e.low), bound(e.high),
+                     e.is_extrapolated ? ", beyond the sizes that were tried" : "");
 }
 
 std::string detectionWords(const Detection& d) {
@@ -132,6 +138,7 @@ std::string analysisJson(const Analysis& a) {
                 {"outcomes", jsonOf(a.outcomes)},
                 {"factors", PageJson::array()},
                 {"faults", PageJson::array()},
+                {"margins_of", a.margins_of_good ? "runs without a fault of a size" : "runs that passed"},
                 {"margins", PageJson::array()},
                 {"checks_not_passed", PageJson::array()}};
   for (const FactorRates& rates : a.rates) json["factors"].push_back(jsonOf(rates));

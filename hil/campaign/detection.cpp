@@ -201,15 +201,19 @@ Detection detectionOf(const std::vector<Trial>& trials) {
       smallest_missed = std::min(smallest_missed, t.size);
     }
   }
+  if (!by_size.empty()) {
+    d.smallest = by_size.begin()->first;
+    d.largest = by_size.rbegin()->first;
+  }
   d.not_fitted = whyNotFitted(d, by_size, smallest_missed, largest_found);
-  if (!by_size.empty())
-    d.logarithmic =
-        by_size.begin()->first > 0.0 && by_size.rbegin()->first >= kLogarithmicFrom * by_size.begin()->first;
+  d.logarithmic = d.smallest > 0.0 && d.largest >= kLogarithmicFrom * d.smallest;
   if (!d.not_fitted.empty()) return d;
   double slope = 0.0;
   const DetectionFit fit = fitOf(by_size, {.logarithmic = d.logarithmic}, slope);
   if (slope > 0.0) {
     d.fit = fit;
+    for (SizeEstimate* estimate : {&d.fit->half, &d.fit->most})
+      estimate->is_extrapolated = estimate->size < d.smallest || estimate->size > d.largest;
   } else {
     d.not_fitted = "larger ones were not found more often";
   }

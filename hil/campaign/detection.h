@@ -18,6 +18,7 @@ struct Trial {
 struct SizeEstimate {
   double size{};
   std::optional<double> low, high;
+  bool is_extrapolated{};  ///< It lies beyond the sizes that were tried: the curve alone says so.
 };
 
 /// How likely a fault is found, over its size:
@@ -35,6 +36,7 @@ struct DetectionFit {
 /// What the trials of one kind of fault tell.
 struct Detection {
   std::size_t trials{}, found{};
+  double smallest{}, largest{};  ///< Sizes that were tried; 0 without a trial.
   bool logarithmic{};  ///< x is ln(size): all sizes are above zero and span a factor of kLogarithmicFrom.
   std::optional<double> largest_missed;  ///< Absent: none was missed.
   std::optional<double> smallest_found;  ///< Absent: none was found.

@@ -107,7 +107,8 @@ def number(value):
 
 
 def size_words(size):
-    return f"{size['size']:.3g} ({number(size['low_95'])} … {number(size['high_95'])})".replace("none", "no bound")
+    bounds = [number(size[key]).replace("none", "no bound") for key in ("low_95", "high_95")]
+    return f"{size['size']:.3g} ({bounds[0]} … {bounds[1]})" + (", beyond the sizes that were tried" if size["extrapolated"] else "")
 
 
 def prove(args, folder):

@@ -89,7 +89,7 @@ TEST(CampaignAnalysis, AFaultIsFoundByFailOrByWhateverDoesNotPass) {
   EXPECT_EQ(a.rates[0].factor, "scenario");
 }
 
-TEST(CampaignAnalysis, TheThinnestMarginComesFirstAndOnlyGoodRunsHaveOne) {
+TEST(CampaignAnalysis, TheThinnestMarginComesFirst) {
   EXPECT_NEAR(*marginOf({"a", "PASS", "mm", 0.03, 0.01, 0.05, false}), 0.2, 1e-12);
   EXPECT_NEAR(*marginOf({"a", "PASS", "", 0.9, 0.02, 0.8, true}), 0.1, 1e-12);
   EXPECT_LT(*marginOf({"a", "PASS", "mm", 0.045, 0.01, 0.05, false}), 0.0);
@@ -105,14 +105,23 @@ TEST(CampaignAnalysis, TheThinnestMarginComesFirstAndOnlyGoodRunsHaveOne) {
   }
   Record bad = recordWith(3, "3", "FAIL");
   bad.checks = {{"edge", "FAIL", "mm", 0.2, 0.0, 0.05, false}};
+  bad.factors.push_back({"fault", "scale", 1.0});
   records.push_back(bad);
   const Analysis a = analyse(records);
+  EXPECT_TRUE(a.margins_of_good);
   ASSERT_EQ(a.margins.size(), 2U);
   EXPECT_EQ(a.margins[0].check, "path");
   EXPECT_EQ(a.margins[0].thinnest_run, 1U);
   EXPECT_NEAR(a.margins[0].least, 0.1, 1e-12);
   EXPECT_NEAR(a.margins[0].median, 0.5, 1e-12);
   EXPECT_EQ(a.margins[1].runs, 3U);
+  // A good run that fails has the thinnest margin of all.
+  records[3].factors.pop_back();
+  EXPECT_NEAR(analyse(records).margins[0].least, -3.0, 1e-12);
+  // Where all have a fault, those that passed are what there is.
+  for (Record& r : records) r.factors.push_back({"fault", "scale", 1.0});
+  EXPECT_FALSE(analyse(records).margins_of_good);
+  EXPECT_EQ(analyse(records).margins[1].runs, 3U);
   ASSERT_EQ(a.counts.size(), 1U);
   EXPECT_EQ(a.counts[0].check, "edge");
   EXPECT_EQ(a.counts[0].fail, 1U);

@@ -87,6 +87,18 @@ TEST(Detection, SizesOverSeveralOctavesAreFittedOverTheirLogarithm) {
   EXPECT_NEAR(other.fit->slope, d.fit->slope, 1e-9);
 }
 
+TEST(Detection, ASizeThatWasNotTriedIsMarked) {
+  std::vector<Trial> trials;
+  for (int i = 1; i <= 40; ++i) trials.push_back({static_cast<double>(i), i == 12 || i == 30 || i == 38});
+  const Detection d = detectionOf(trials);
+  ASSERT_TRUE(d.fit);
+  EXPECT_EQ(d.smallest, 1.0);
+  EXPECT_EQ(d.largest, 40.0);
+  EXPECT_GT(d.fit->most.size, 40.0);
+  EXPECT_TRUE(d.fit->most.is_extrapolated);
+  EXPECT_FALSE(detectionOf(trialsOf(kBeetles)).fit->half.is_extrapolated);
+}
+
 TEST(Detection, TheOrderOfTheTrialsIsNothing) {
   std::vector<Trial> trials = trialsOf(kBeetles);
   const Detection d = detectionOf(trials);
