@@ -27,6 +27,7 @@ constexpr std::size_t kMostRows = 100;
 constexpr std::size_t kMostMarginPlots = 6;
 constexpr std::size_t kBins = 8;
 constexpr int kCurvePoints = 120;
+constexpr double kThin = 0.1;  // A margin below this is shown in red.
 constexpr double kMostLabels = 14.0;
 constexpr std::size_t kMostDots = 3000;
 
@@ -231,9 +232,9 @@ std::string marginTable(const Analysis& a) {
       "U, limit<th class=num>run</tr></thead><tbody>";
   for (const CheckMargin& m : a.margins)
     html += fmt::format(
-        "<tr><td>{}<td class='num{}'>{}<td class=num>{:.1f} %<td class=num>{:.1f} %<td>{}<td "
+        "<tr><td>{}<td class=num>{}<td class='num{}'>{:.1f} %<td class=num>{:.1f} %<td>{}<td "
         "class=num>{}</tr>",
-        escapeHtml(m.check), m.least < 0.1 ? " hit" : "", m.runs, 100.0 * m.least, 100.0 * m.median,
+        escapeHtml(m.check), m.runs, m.least < kThin ? " hit" : "", 100.0 * m.least, 100.0 * m.median,
         escapeHtml(marginWords(m)), m.thinnest_run);
   return html + "</tbody></table>";
 }

@@ -303,7 +303,10 @@ void readBases(YamlReader& file, Campaign& campaign) {
       file.fault("base", fmt::format("no such file '{}'", name));
       continue;
     }
-    if (!stems.insert(path.string()).second) file.fault("base", fmt::format("'{}' is given twice", name));
+    if (!stems.insert(path.stem().string()).second)
+      file.fault(
+          "base",
+          fmt::format("'{}': another scenario has this file name, by which they are told apart", name));
     campaign.bases.push_back(path);
   }
   if (campaign.bases.empty() && file.has("base") && names.empty()) file.fault("base", "needs a scenario");

@@ -32,9 +32,10 @@ struct BenchFiles {
 /// Writes the scenarios of all runs, reads each with its machine as `kerfbench run` will, and puts down the
 /// sums of all files that they depend on: campaign.json. Where a folder has that already, the files are held
 /// against these sums and nothing is written; so all shards may begin at once.
+/// `asked`: the folder of results, made if it is not there.
 /// @throws base::ConfigError for runs that no reader accepts, each fault once, with file and line;
 /// base::InputError if the folder holds something else, or files have changed since.
-Prepared prepare(const Campaign& campaign, const std::filesystem::path& folder, const BenchFiles& bench,
+Prepared prepare(const Campaign& campaign, const std::filesystem::path& asked, const BenchFiles& bench,
                  const base::ProgressFn& progress = {});
 
 /// What campaign.json of a folder says, for those who only read its records.
@@ -43,7 +44,7 @@ struct KnownCampaign {
   std::string name, title;
   std::size_t runs{};
 };
-/// @throws base::InputError.
-KnownCampaign knownCampaign(const std::filesystem::path& folder);
+/// `asked`: the folder of results. @throws base::InputError.
+KnownCampaign knownCampaign(const std::filesystem::path& asked);
 
 }  // namespace kerfbench::campaign

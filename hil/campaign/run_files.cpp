@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/base/atomic_file.h"
+#include "hil/base/file_content.h"
 #include "hil/base/number_from.h"
 #include "hil/campaign/key_tree.h"
 
@@ -36,6 +37,10 @@ std::string withSize(std::string text, std::string_view holder, const std::strin
   for (std::size_t at = 0; (at = text.find(holder, at)) != std::string::npos; at += size.size())
     text.replace(at, holder.size(), size);
   return text;
+}
+
+void putDown(const fs::path& file, const std::string& content) {
+  if (base::fileContent(file) != content) base::writeFileAtomically(file, content);
 }
 
 /// Works out what a run's files say.
@@ -156,10 +161,9 @@ RunFiles runFilesOf(const Campaign& campaign, const RunPlan& plan, const fs::pat
 
 fs::path writeRunFiles(const Campaign& campaign, const RunPlan& plan, const fs::path& folder) {
   const RunFiles files = runFilesOf(campaign, plan, folder);
-  if (files.machine)
-    base::writeFileAtomically(folder / (runName(plan.index) + ".machine.yaml"), *files.machine);
+  if (files.machine) putDown(folder / (runName(plan.index) + ".machine.yaml"), *files.machine);
   const fs::path scenario = folder / (runName(plan.index) + ".yaml");
-  base::writeFileAtomically(scenario, files.scenario);
+  putDown(scenario, files.scenario);
   return scenario;
 }
 

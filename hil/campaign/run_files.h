@@ -26,7 +26,8 @@ struct RunFiles {
 /// missing.
 RunFiles runFilesOf(const Campaign& campaign, const RunPlan& plan, const std::filesystem::path& folder);
 
-/// Writes the files of a run, each whole or not at all. Returns the path of the scenario.
+/// Writes the files of a run that are not there as they should be, each whole or not at all. Returns the path
+/// of the scenario.
 /// @throws as runFilesOf(); std::system_error.
 std::filesystem::path writeRunFiles(const Campaign& campaign, const RunPlan& plan,
                                     const std::filesystem::path& folder);

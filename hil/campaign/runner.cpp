@@ -70,6 +70,7 @@ class Shard {
   ShardEnd run() {
     std::vector<std::size_t> wanted = wantedRuns();
     if (wanted.empty()) return std::move(end_);
+    fs::create_directories(prepared_.scenarios());
     const WorkFolder work(prepared_.folder / "runs");
     const batch::FolderLock lock(work.path());
     runOnce(lock, wanted, "first");
@@ -101,13 +102,14 @@ class Shard {
   void runOnce(const batch::FolderLock& lock, const std::vector<std::size_t>& runs, const char* try_name) {
     std::vector<batch::Job> jobs;
     for (const std::size_t run : runs) {
+      // What prepare() wrote; whoever has edited it since would have a run that is none of this campaign.
+      const fs::path scenario = writeRunFiles(campaign_, planOf(campaign_, run), prepared_.scenarios());
       const fs::path folder = lock.folder() / try_name / runName(run);
-      jobs.push_back(
-          {.name = runName(run),
-           .command = {options_.program.string(), "run", prepared_.scenarioOf(run).string(), "--results-dir",
-                       folder.string(), "--jobs", "1", "--no-pictures", "--quiet"},
-           .folder = folder,
-           .inputs = prepared_.identity});
+      jobs.push_back({.name = runName(run),
+                      .command = {options_.program.string(), "run", scenario.string(), "--results-dir",
+                                  folder.string(), "--jobs", "1", "--no-pictures", "--quiet"},
+                      .folder = folder,
+                      .inputs = prepared_.identity});
     }
     batch::BatchOptions options{.at_once = options_.at_once, .signals = options_.signals};
     options.ended = [&](std::size_t job, const batch::JobOutcome& outcome) {

@@ -77,7 +77,8 @@ def page_of(proof, here_s, slurm, digest, made_with):
              "# A campaign here and on Slurm", "",
              f"{proof.runs} runs of [label-faults.yaml](../../fixtures/campaigns/label-faults.yaml), here with two runs at a time, and on a "
              "Slurm cluster of two nodes with a processor each, all on one computer of two cores. The times are of a computer that did other "
-             "things as well.", "", made_with, "",
+             "things as well; the kernel then shares the processors by session, and each step of Slurm is a session of its own, so its runs got "
+             "the larger share.", "", made_with, "",
              "| | here | Slurm |", "|---|---|---|",
              f"| digest of results.jsonl | `{digest}` | the same |",
              f"| time | {here_s / 60:.1f} min | {slurm['s'] / 60:.1f} min |",
@@ -91,15 +92,18 @@ def page_of(proof, here_s, slurm, digest, made_with):
     for fault in analysis["faults"]:
         found = fault["found_is_fail"]
         sizes = [found["fit"][key] for key in ("half_found", "nine_of_ten_found")] if found["fit"] else []
-        told = [size_words(size) for size in sizes] or [f"not fitted: {found['not_fitted']}",
-                                                       f"missed up to {number(found['largest_missed'])}, found from "
-                                                       f"{number(found['smallest_found'])}"]
+        told = [size_words(size) for size in sizes] or [f"not fitted: {found['not_fitted']}", bracket_words(found)]
         lines.append(f"| {fault['fault']} | {found['runs']} | {found['found']} | {told[0]} | {told[1]} |")
     good = next(row for rates in analysis["factors"] if rates["factor"] == "fault" for row in rates["values"] if row["value"] == "none")
     low, high = good["pass_rate_95"]
     lines += ["", f"Without a fault {good['runs']['PASS']} of {good['runs']['all']} runs are PASS ({100 * low:.1f} … {100 * high:.1f} %), "
               f"{good['runs']['FAIL']} FAIL, {good['runs']['NOT PROVEN']} NOT PROVEN.", ""]
     return "\n".join(lines)
+
+
+def bracket_words(found):
+    words = [f"missed up to {found['largest_missed']:.3g}"] if found["largest_missed"] is not None else []
+    return ", ".join(words + ([f"found from {found['smallest_found']:.3g}"] if found["smallest_found"] is not None else []))
 
 
 def number(value):

@@ -153,7 +153,7 @@ TEST_F(CampaignFile, ABaseMustBeThere) {
     ADD_FAILURE() << "read";
   } catch (const base::ConfigError& e) {
     EXPECT_THAT(e.what(), HasSubstr("d.yaml:3: base: no such file 'none.yaml'"));
-    EXPECT_THAT(e.what(), HasSubstr("d.yaml:3: base: 'base.yaml' is given twice"));
+    EXPECT_THAT(e.what(), HasSubstr("d.yaml:3: base: 'base.yaml': another scenario has this file name"));
     EXPECT_THAT(e.what(), HasSubstr("d.yaml:2: name: names folders"));
   }
 }

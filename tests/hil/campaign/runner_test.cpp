@@ -178,6 +178,17 @@ TEST_F(Runner, ABreakIsTriedAgainAndRecordedOnlyIfItIsTheSameTwice) {
   EXPECT_EQ(run(in, 1, 1).made, 3U);
 }
 
+TEST_F(Runner, AScenarioThatWasChangedMeanwhileIsWrittenAnew) {
+  const Prepared in = prepared("in");
+  (void)run(in, 1, 1);
+  const std::string scenario = base::contentOf(in.scenarioOf(3));
+  EXPECT_THAT(scenario, HasSubstr("extends: "));
+  (void)folder_.write("in/scenarios/000003.yaml", scenario + "seed: 5\n");
+  fs::remove(in.records().fileOf(3));
+  EXPECT_EQ(run(in, 1, 1).made, 1U);
+  EXPECT_EQ(base::contentOf(in.scenarioOf(3)), scenario);
+}
+
 TEST_F(Runner, ResultsStayIfTheyAreWanted) {
   const Prepared in = prepared("in");
   ShardOptions options{.keep = Keep::kBad, .program = bench()};
