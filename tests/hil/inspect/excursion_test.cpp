@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/inspect/evidence/spot_association.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
 namespace kerfbench::inspect {
