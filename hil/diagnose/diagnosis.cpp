@@ -2,6 +2,7 @@
 #include "hil/diagnose/diagnosis.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -39,6 +40,26 @@ void merge(std::vector<Cause>& direct, std::vector<Cause>& fitted) {
     }
     fitted.erase(same);
   }
+}
+
+/// Where nearly all of a deviation arises that nothing explains, and what to look at there; empty: not at one
+/// place, or too little.
+std::string whereItArises(const Fitted& fitted, const Evidence& evidence) {
+  constexpr double kNearlyAll = 0.8;
+  constexpr double kWorthOfLimit = 0.3;
+  const double sum = fitted.stage_mm2[0] + fitted.stage_mm2[1] + fitted.stage_mm2[2];
+  if (!(fitted.deviation_mm > kWorthOfLimit * evidence.limit_mm) || !(sum > 0.0)) return {};
+  const auto most = std::ranges::max_element(fitted.stage_mm2);
+  if (*most < kNearlyAll * sum) return {};
+  const std::array<const char*, 3> kSaid{
+      "between drawing and program: look at the planner or at the G-code that was sent",
+      "between program and pulses: look at the release, at what it was told of the machine, and at how it "
+      "follows the belt",
+      "between pulses and beam: the pulses are right; look at the calibration of the head (correction table, "
+      "mounting) "
+      "and at the axes"};
+  return fmt::format("No known cause, but {:.0f} % of the deviation arise {}.", 100.0 * *most / sum,
+                     kSaid[static_cast<std::size_t>(most - fitted.stage_mm2.begin())]);
 }
 
 std::string noneSentence(const Fitted& fitted) {
@@ -90,6 +111,7 @@ Diagnosis diagnose(const Evidence& evidence) {
     diagnosis.sentence = diagnosis.causes.front().sentence;
   else if (evidence.failed)
     diagnosis.sentence = noneSentence(fitted);
+  if (diagnosis.causes.empty() && evidence.failed) diagnosis.arises = whereItArises(fitted, evidence);
   return diagnosis;
 }
 

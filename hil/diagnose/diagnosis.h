@@ -37,6 +37,8 @@ struct Diagnosis {
   double deviation_mm{kUnknown};  ///< RMS of the deviation that is to be explained.
   std::string
       sentence;  ///< "None of the known causes …"; else that of the first cause; empty: nothing to say.
+  std::string
+      arises;  ///< Without a cause: where nearly all of the deviation arises, and what to look at; or empty.
 };
 
 /// Compares the evidence with what each known cause would make of it. Pure. Of a run that has passed nothing

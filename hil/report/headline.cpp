@@ -56,9 +56,9 @@ namespace {
 /// A cause that explains less of the deviation than this is not the answer to why.
 constexpr double kMostOfIt = 0.5;
 
-/// The likely cause, unless it leaves most of the deviation unexplained.
+/// The likely cause, unless it leaves most of the deviation unexplained; without any, where it arises.
 std::string explainingCause(const RunReport& report) {
-  if (report.diagnosis.causes.empty()) return {};
+  if (report.diagnosis.causes.empty()) return report.diagnosis.arises;
   const diagnose::Cause& cause = report.diagnosis.causes.front();
   return cause.direct || std::isnan(cause.share) || cause.share >= kMostOfIt ? cause.sentence : std::string();
 }

@@ -183,6 +183,16 @@ TEST(Diagnosis, SaysWhereADeviationArisesThatNoCauseExplains) {
   EXPECT_TRUE(diagnosis.causes.empty()) << diagnosis.sentence;
   EXPECT_THAT(diagnosis.sentence, HasSubstr("None of the known causes explains this"));
   EXPECT_THAT(diagnosis.sentence, HasSubstr("0 % arise between drawing and program"));
+  EXPECT_THAT(diagnosis.arises, HasSubstr("between pulses and beam"));
+}
+
+TEST(Diagnosis, SaysNotWhereASmallDeviationArises) {
+  SyntheticEvidence made(false);
+  made.machine(
+      along([](const auto& h, const auto&) { return Vector2d(0.0, 0.01 * std::sin(2.0 * h.p_mm.x())); }));
+  const Diagnosis diagnosis = diagnose(made.evidence());
+  EXPECT_TRUE(diagnosis.causes.empty()) << diagnosis.sentence;
+  EXPECT_EQ(diagnosis.arises, "");
 }
 
 TEST(Diagnosis, NamesTwoCausesAtOnce) {
