@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -30,8 +29,8 @@ std::string nameOfThisProcess() {
 
 }  // namespace
 
-FolderLock::FolderLock(std::filesystem::path folder)
-    : folder_(std::filesystem::absolute(std::move(folder)).lexically_normal()),
+FolderLock::FolderLock(const std::filesystem::path& folder)
+    : folder_(std::filesystem::absolute(folder).lexically_normal()),
       fd_(::open((folder_ / kLockFile).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
   const std::string file = (folder_ / kLockFile).string();
   if (!fd_.valid()) throw std::system_error(errno, std::generic_category(), "cannot open " + file);

@@ -13,7 +13,7 @@ class FolderLock {
  public:
   /// The folder must be there.
   /// @throws base::InputError that names folder and process, if another one has it; std::system_error.
-  explicit FolderLock(std::filesystem::path folder);
+  explicit FolderLock(const std::filesystem::path& folder);
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
