@@ -17,6 +17,9 @@
 #include "hil/cli/run_guarded.h"
 #include "hil/compare/write_comparison.h"
 #include "hil/history/run_history.h"
+#include "hil/judge/run_folder.h"
+#include "hil/suite/suite_record.h"
+#include "hil/suite/suite_result.h"
 
 namespace kerfbench::app {
 namespace {
@@ -25,8 +28,21 @@ namespace fs = std::filesystem;
 
 constexpr int kExitWorse = 1;
 
+/// The folder with the runs of the suite that is meant, if one is: itself, or the latest in the folder.
+fs::path runsMeantBy(const fs::path& folder) {
+  for (const fs::path& candidate : {folder, folder / judge::kLatestRun})
+    if (fs::exists(candidate / suite::kSuiteRecord)) return candidate / "runs";
+  return folder;
+}
+
+/// Whether a folder is that of a run of a suite. One that was set aside has a dot in its name.
+bool isRunOfASuite(const fs::path& folder) {
+  return folder.filename().string().find('.') == std::string::npos &&
+         fs::exists(suite::resultsFolder(folder) / "verdict.json");
+}
+
 compare::RunSet oneRun(const fs::path& folder) {
-  const fs::path run = history::runMeantBy(folder);
+  const fs::path run = isRunOfASuite(folder) ? suite::resultsFolder(folder) : history::runMeantBy(folder);
   return {run.string(), {compare::readRunFigures(run)}};
 }
 
@@ -35,7 +51,8 @@ std::set<std::string> scenariosIn(const fs::path& results) {
   std::set<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(results)) {
     const std::string name = entry.path().filename().string();
-    if (entry.is_directory() && !name.starts_with(".") && history::holdsRuns(entry.path()))
+    if (entry.is_directory() && !name.starts_with(".") &&
+        (isRunOfASuite(entry.path()) || history::holdsRuns(entry.path())))
       names.insert(name);
   }
   return names;
@@ -117,9 +134,12 @@ int compareCommand(const CompareOptions& options) {
     for (const fs::path& folder : {options.old_results, options.new_results}) {
       if (!fs::is_directory(folder)) throw base::InputError(fmt::format("{}: is no folder", folder.string()));
     }
-    if (holdsScenarios(options.old_results) && holdsScenarios(options.new_results))
-      return compareFolders(options, console);
-    return tell(oneRun(options.old_results), oneRun(options.new_results), options.out, console);
+    CompareOptions meant = options;
+    meant.old_results = runsMeantBy(options.old_results);
+    meant.new_results = runsMeantBy(options.new_results);
+    if (holdsScenarios(meant.old_results) && holdsScenarios(meant.new_results))
+      return compareFolders(meant, console);
+    return tell(oneRun(meant.old_results), oneRun(meant.new_results), options.out, console);
   });
 }
 

@@ -18,8 +18,8 @@ void addCompare(CLI::App& app, cli::CliActions& actions) {
                                          "by more than its U, within the limits or not.");
   CLI::Option* const before = compare->add_option(
       "OLD", options->old_results,
-      "Results of a run, the runs of a scenario (results/NAME: the latest counts),\nor a folder of "
-      "such (results)");
+      "Results of a run, the runs of a scenario or the suites of a plan (results/NAME: the latest counts),\n"
+      "or a folder of such (results)");
   CLI::Option* const after = compare->add_option("NEW", options->new_results, "The same of the new release");
   before->needs(after);
   CLI::Option* const history = compare->add_option(

@@ -58,6 +58,13 @@ TEST(Suite, OfAGoodReleaseAndAKnownBadOneIsAsExpected) {
   EXPECT_EQ(verdictOf(results).at("digest"), good.at("result").at("digest"));
   EXPECT_TRUE(fs::exists(folder / good.at("result").at("report").get<std::string>()));
   EXPECT_EQ(kerfbench(fmt::format("verify '{}'", results.string())).exit_code, 0);
+  // Suites of two releases can be compared run by run; this one with itself.
+  const std::string suites = (scratch.path() / "results/release").string();
+  const ProgramRun compared = kerfbench(
+      fmt::format("compare '{0}' '{0}' --out '{1}'", suites, (scratch.path() / "compare").string()));
+  EXPECT_EQ(compared.exit_code, 0) << compared.output;
+  EXPECT_TRUE(fs::exists(scratch.path() / "compare/label-seed-3/compare.html"));
+  EXPECT_TRUE(fs::exists(scratch.path() / "compare/encoder-scale-seed-3/compare.html"));
   // Nothing is left to run, and nothing is changed by that.
   const ProgramRun again = suite(plan, scratch, "--resume --jobs 1");
   EXPECT_EQ(again.exit_code, 0) << again.output;

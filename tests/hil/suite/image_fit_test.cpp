@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/suite/plan.h"
 #include "tests/hil/base/temp_folder.h"
 
 namespace kerfbench::suite {
@@ -57,6 +58,14 @@ TEST(ImageFit, AFileThatIsNoImageFitsNone) {
   const fs::path text = temp.write("release.hex", "not yet built\n");
   for (const char* scenario : {kAvr, kMcs51, kNative})
     EXPECT_THAT(whyNot(scenario, text), testing::Not(IsEmpty())) << scenario;
+}
+
+TEST(ShippedPlans, CanBeReadAndTheirImagesFit) {
+  const fs::path bin = fs::path(KERFBENCH_BINARY_DIR) / "bin";
+  const fs::path release = bin.parent_path() / "firmware/controller-avr.elf";
+  const Plan plan = readPlan(base::fixture("suites/label-release.yaml"), {bin, release});
+  EXPECT_NO_THROW(refuseUnfit(plan));
+  EXPECT_GE(plan.runs.size(), 5U);
 }
 
 }  // namespace

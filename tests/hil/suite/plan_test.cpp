@@ -223,14 +223,6 @@ TEST_F(SuitePlan, ItsPageHasEveryKey) {
   EXPECT_EQ(page, keys);
 }
 
-TEST(ShippedPlans, CanBeReadAndTheirImagesFit) {
-  const fs::path bin = fs::path(KERFBENCH_BINARY_DIR) / "bin";
-  const fs::path release = bin.parent_path() / "firmware/controller-avr.elf";
-  const Plan plan = readPlan(base::fixture("suites/label-release.yaml"), {bin, release});
-  EXPECT_NO_THROW(refuseUnfit(plan));
-  EXPECT_GE(plan.runs.size(), 5U);
-}
-
 TEST_F(SuitePlan, AnotherVersionIsRefused) {
   small_.put("plan.yaml", "version: 2\nname: release\nruns: [{scenario: a.yaml}]\n");
   EXPECT_THAT(faults(), HasSubstr(at("version") + "version: this program reads version 1"));
