@@ -177,6 +177,9 @@ int runCampaign(const CampaignOptions& options, base::Console& console) {
     if (!options.shard.empty() || code == base::kExitWaiting) return code;
   }
   const int merged = mergeAndTell(prepared, campaign::knownCampaign(output), options.partial, console);
+  if (options.submit && merged == base::kExitWaiting)
+    console.result(fmt::format("what the tasks said: {}; the same command submits the rest",
+                               (prepared.folder / "slurm" / "*.log").string()));
   return code != 0 ? code : merged;
 }
 

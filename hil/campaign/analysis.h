@@ -51,7 +51,7 @@ struct FaultDetection {
 ///     margin = (limit - (value + U)) / |limit|, for a lower limit ((value - U) - limit) / |limit|
 struct CheckMargin {
   std::string check, unit;
-  std::size_t runs{};  ///< Those of them in which it was measured and has a limit other than zero.
+  std::size_t runs{};  ///< Number of those in which it was measured and has a limit other than zero.
   double least{}, median{};
   CheckRecord thinnest;  ///< Where the margin is least.
   std::size_t thinnest_run{};
@@ -74,7 +74,7 @@ struct Analysis {
   std::vector<FactorRates> rates;
   std::vector<FaultDetection> detections;
   std::vector<CheckMargin> margins;  ///< The thinnest first.
-  bool margins_of_good{};            ///< They are of runs without a fault of a size.
+  bool margins_of_good{};            ///< Margins are of runs without a fault of a size.
   std::vector<CheckCount> counts;    ///< Checks that found the most come first.
 };
 

@@ -18,7 +18,7 @@ struct Trial {
 struct SizeEstimate {
   double size{};
   std::optional<double> low, high;
-  bool is_extrapolated{};  ///< It lies beyond the sizes that were tried: the curve alone says so.
+  bool is_extrapolated{};  ///< Beyond the sizes that were tried the curve alone says so.
 };
 
 /// How likely a fault is found, over its size:
