@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 
 #include "hil/base/input_error.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/scenario/scenario.h"
 #include "hil/suite/scenario_check.h"
 #include "tests/docs/key_tables.h"
 #include "tests/hil/suite/small_suite.h"
