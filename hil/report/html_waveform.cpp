@@ -19,7 +19,8 @@ namespace {
 constexpr double kWaveWidth = 800.0;
 constexpr double kRow = 24.0;
 constexpr double kSwing = 14.0;  ///< From the low level to the high one.
-/// Edges closer than this are drawn as a band between the two levels.
+/// Edges closer than this are drawn as one line between the two levels, from which the pin goes on at the
+/// level that the last of them leaves.
 constexpr double kDense = 0.6;
 
 /// The time axis of one moment.
@@ -35,13 +36,15 @@ std::string wirePath(const PinTrace& pin, const WaveScale& scale, double low) {
   const auto y = [&](bool level) { return level ? low - kSwing : low; };
   bool level = pin.level;
   std::string d = fmt::format("M0 {:.1f}", y(level));
-  double drawn_x = -kDense;
-  for (const double time_s : pin.toggle_s) {
-    const double x = scale.x(time_s);
-    level = !level;
-    if (x - drawn_x < kDense) continue;
-    fmt::format_to(std::back_inserter(d), "H{:.1f}V{:.1f}V{:.1f}", x, y(!level), y(level));
-    drawn_x = x;
+  for (auto first = pin.toggle_s.begin(); first != pin.toggle_s.end();) {
+    const double x = scale.x(*first);
+    const auto next =
+        std::find_if(first, pin.toggle_s.end(), [&](double time_s) { return scale.x(time_s) - x >= kDense; });
+    const bool changes = (next - first) % 2 == 1;
+    fmt::format_to(std::back_inserter(d), "H{:.1f}V{:.1f}", x, y(!level));
+    if (next - first > 1) fmt::format_to(std::back_inserter(d), "V{:.1f}", y(level != changes));
+    if (changes) level = !level;
+    first = next;
   }
   fmt::format_to(std::back_inserter(d), "V{:.1f}H{:.1f}", y(level), kWaveWidth);
   return d;

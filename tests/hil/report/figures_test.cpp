@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <map>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -136,6 +137,45 @@ TEST(Waveform, IsLinkedFromItsCheck) {
   EXPECT_EQ(countOf(html, "<figure id='moment-1'>"), 1U);
   EXPECT_THAT(html, HasSubstr("<a href='#moment-1'>"));
   EXPECT_EQ(test::unclosedElements(html), "");
+}
+
+/// For each level (y) of the first wire of a figure, the length over which it is drawn there.
+std::map<double, double> lengthAtLevels(const std::string& figure) {
+  const std::string begin = "<path class='wire' d='M";
+  std::istringstream path(figure.substr(figure.find(begin) + begin.size()));
+  double x = 0.0;
+  double y = 0.0;
+  path >> x >> y;
+  std::map<double, double> lengths;
+  for (char move = ' '; path >> move && move != '\'';) {
+    double to = 0.0;
+    path >> to;
+    if (move == 'V') {
+      y = to;
+      continue;
+    }
+    lengths[y] += to - x;
+    x = to;
+  }
+  return lengths;
+}
+
+TEST(Waveform, RestsWhereThePinRestsHoweverNarrowItsPulsesAre) {
+  for (const double width_s : {2e-7, 5e-6, 7.25e-6, 8.2e-6, 2e-5}) {
+    for (const bool rests_high : {false, true}) {
+      RunReport report = withMoment();
+      PinTrace& pin = report.moments[0].pins[0];
+      pin.level = rests_high;
+      pin.toggle_s.clear();
+      for (int i = 0; i < 90; ++i)
+        for (const double at_s : {0.0, width_s}) pin.toggle_s.push_back(0.4951 + 1e-4 * i + at_s);
+      // y points down: the first row's low level is at 20, its high level at 6.
+      std::map<double, double> lengths = lengthAtLevels(waveformFigure(report, 0));
+      EXPECT_NEAR(lengths[20.0] + lengths[6.0], 800.0, 0.5);
+      EXPECT_NEAR(lengths[rests_high ? 6.0 : 20.0] / 800.0, 1.0 - 90.0 * width_s / 0.01, 0.08)
+          << width_s << (rests_high ? " high" : " low");
+    }
+  }
 }
 
 TEST(Motion, ShowsDeviationSpeedAndJobOverTimeWithTheMomentsMarked) {
