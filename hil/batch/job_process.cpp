@@ -74,7 +74,7 @@ int statusOf(pid_t pid) {
 
 JobProcess::JobProcess(const std::vector<std::string>& command, const std::filesystem::path& log) {
   if (command.empty()) throw std::system_error(EINVAL, std::generic_category(), "a job without a command");
-  const std::string name = command.front();
+  const std::string& name = command.front();
   const base::UniqueFd output = above(::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644),
                                       "cannot write " + log.string());
   const base::UniqueFd input = above(::open("/dev/null", O_RDONLY | O_CLOEXEC), "cannot open /dev/null");
