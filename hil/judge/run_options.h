@@ -11,9 +11,9 @@ namespace kerfbench::judge {
 /// What all commands that judge have in common.
 struct RunOptions {
   std::filesystem::path results_dir{"results"};
-  std::filesystem::path output;  ///< The folder for the results itself; empty: one below results_dir.
-  std::optional<std::uint64_t> seed;         ///< Instead of the scenario's.
-  std::optional<double> time_limit_s;        ///< Virtual; instead of the scenario's.
+  std::filesystem::path output;        ///< The folder for the results itself; empty: one below results_dir.
+  std::optional<std::uint64_t> seed;   ///< Instead of the scenario's.
+  std::optional<double> time_limit_s;  ///< Virtual; instead of the scenario's.
   std::optional<std::string> imperfections;  ///< Name of a preset; instead of the scenario's.
   std::optional<std::string> twin;           ///< Name of a fidelity; instead of the scenario's.
   int jobs{1};
