@@ -12,32 +12,9 @@ namespace {
 
 using Checks = std::vector<const inspect::Check*>;
 
-const CheckFacts* factsOf(std::string_view name) {
-  const auto found = std::ranges::find(checkFacts(), name, &CheckFacts::name);
-  return found == checkFacts().end() ? nullptr : &*found;
-}
-
-/// Place in checkFacts(); those that are not known come last.
-std::size_t rankOf(std::string_view name) {
-  return static_cast<std::size_t>(
-      std::distance(checkFacts().begin(), std::ranges::find(checkFacts(), name, &CheckFacts::name)));
-}
-
-/// The check that `check` follows; null if it fails by itself.
-const inspect::Check* leaderOf(const inspect::Check& check, const Checks& all) {
-  const CheckFacts* facts = factsOf(check.name);
-  if (facts == nullptr) return nullptr;
-  for (const std::string_view leader : facts->follows) {
-    const auto found = std::ranges::find(all, leader, &inspect::Check::name);
-    if (found != all.end()) return *found;
-  }
-  return nullptr;
-}
-
-}  // namespace
-
-const std::vector<CheckFacts>& checkFacts() {
-  static const std::vector<CheckFacts> kFacts{
+/// Controller, pins and beam.
+std::vector<CheckFacts> factsOfMachine() {
+  return {
       {"finish", "The controller did not finish the job", {}},
       {"account", "The controller is not where it says", {}},
       {"pulse_timing", "Pulses break the drives' timing", {}},
@@ -61,6 +38,12 @@ const std::vector<CheckFacts>& checkFacts() {
       {"line_energy", "Marks got another energy per length than was ordered", {"laser_gate"}},
       {"repeat", "A line was cut more than once", {"spot_path"}},
       {"dwell", "The beam rested while the laser worked", {"finish", "gate_lag", "laser_gate"}},
+  };
+}
+
+/// What was cut.
+std::vector<CheckFacts> factsOfCut() {
+  return {
       {"path",
        "The cut lies off the dieline",
        {"pulse_timing", "account", "stillness_x", "stillness_peak", "spot_path"}},
@@ -97,6 +80,38 @@ const std::vector<CheckFacts>& checkFacts() {
        "Perforations have not the cuts and bridges ordered",
        {"gate_lag", "laser_gate", "spot_path", "line_energy"}},
   };
+}
+
+const CheckFacts* factsOf(std::string_view name) {
+  const auto found = std::ranges::find(checkFacts(), name, &CheckFacts::name);
+  return found == checkFacts().end() ? nullptr : &*found;
+}
+
+/// Place in checkFacts(); those that are not known come last.
+std::size_t rankOf(std::string_view name) {
+  return static_cast<std::size_t>(
+      std::distance(checkFacts().begin(), std::ranges::find(checkFacts(), name, &CheckFacts::name)));
+}
+
+/// The check that `check` follows; null if it fails by itself.
+const inspect::Check* leaderOf(const inspect::Check& check, const Checks& all) {
+  const CheckFacts* facts = factsOf(check.name);
+  if (facts == nullptr) return nullptr;
+  for (const std::string_view leader : facts->follows) {
+    const auto found = std::ranges::find(all, leader, &inspect::Check::name);
+    if (found != all.end()) return *found;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+const std::vector<CheckFacts>& checkFacts() {
+  static const std::vector<CheckFacts> kFacts = [] {
+    std::vector<CheckFacts> all = factsOfMachine();
+    std::ranges::move(factsOfCut(), std::back_inserter(all));
+    return all;
+  }();
   return kFacts;
 }
 

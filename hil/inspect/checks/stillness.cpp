@@ -80,8 +80,8 @@ CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& 
   readings.shared.resize(static_cast<Eigen::Index>(run.end - run.begin), columns);
   for (std::size_t i = run.begin; i < run.end; ++i) {
     const LitFrame& frame = lit.frames[i];
-    cut.track.push_back(
-        {frame.time_s, std::max(frame.entity, frame.left_entity), frame.p_S_mm, frame.deviation_mm});
+    cut.track.push_back({frame.time_s, std::max(frame.entity, frame.left_entity), frame.p_S_mm,
+                         isLost(frame) ? kNan : frame.deviation_mm});
     if (isLost(frame)) ++cut.lost;
     if (!showsX(frame) || frame.sigma_mm > faintest_mm) continue;
     const auto& spot_W_mm = evidence.spot.frames[frame.frame].spot_W_mm;
@@ -268,15 +268,15 @@ void measuredDrift(const LitFrames& lit, const Stillness& stillness, std::size_t
         lost, kSearch_mm);
 }
 
-/// Where a spot was lost beside a line that shows x; null if it never was.
-const LitFrame* farthestLost(const LitFrames& lit) {
-  const LitFrame* farthest = nullptr;
+/// Where a spot was just lost beside a line that shows x; null if it never was.
+const LitFrame* nearestLost(const LitFrames& lit) {
+  const LitFrame* nearest = nullptr;
   for (const LitFrame& frame : lit.frames) {
     if (!isLost(frame) || frame.ambiguous || std::abs(frame.n_x) < kMinNormalX) continue;
-    if (farthest == nullptr || std::abs(frame.deviation_mm) > std::abs(farthest->deviation_mm))
-      farthest = &frame;
+    if (nearest == nullptr || std::abs(frame.deviation_mm) < std::abs(nearest->deviation_mm))
+      nearest = &frame;
   }
-  return farthest;
+  return nearest;
 }
 
 /// The least that a spot moved which lay on its line in one frame of a run, and was lost in another.
@@ -328,7 +328,7 @@ Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Still
       std::ranges::count_if(stillness.cuts, [](const CutResult& c) { return std::isfinite(c.drift_mm); }));
   if (judged > 0) measuredDrift(lit, stillness, judged, check);
   if (judged > 0 && check.verdict == Verdict::kFail) return check;
-  if (const LitFrame* lost = farthestLost(lit); lost != nullptr) {
+  if (const LitFrame* lost = nearestLost(lit); lost != nullptr) {
     leastMotion(*lost, check);
     return check;
   }

@@ -41,7 +41,7 @@ struct CutFrame {
   double time_s{};
   int entity{-1};  ///< The line that the spot followed, or had left; -1: none.
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< The spot on the sheet of its unit.
-  double deviation_mm{};  ///< Along the left normal of that line; NaN if there is none.
+  double deviation_mm{};  ///< Along the left normal of that line; NaN if it is lost or none.
   int program_line{};     ///< Line of the program that asks for this place; 0: not known.
 };
 
