@@ -173,11 +173,11 @@ std::vector<EntityResult> measureEntities(const Evidence& evidence, const Tolera
     e.rms_U_mm = d.rms.U;
     e.coverage = coverageOf(evidence, kerf, limits);
     e.uncut_mm = longestUncut(evidence, kerf, limits).length_mm;
+    e.width_mm = deviations.widths[k].value;
+    e.width_U_mm = deviations.widths[k].U;
+    e.width_own_U_mm = deviations.width_own_U[k];
     // What is no wider than nothing is no kerf: its calipers were set on light of others.
-    const bool is_kerf = deviations.widths[k].value > 0.0;
-    e.width_mm = is_kerf ? deviations.widths[k].value : kNan;
-    e.width_U_mm = is_kerf ? deviations.widths[k].U : kNan;
-    e.width_own_U_mm = is_kerf ? deviations.width_own_U[k] : kNan;
+    if (!(e.width_mm > 0.0)) e.width_mm = e.width_U_mm = e.width_own_U_mm = kNan;
     e.circularity_mm = deviations.circularity[k].value;
     e.circularity_U_mm = deviations.circularity[k].U;
     e.passes = kNan;
