@@ -23,7 +23,7 @@ std::vector<CheckFacts> factsOfMachine() {
       {"safe_stop", "The axes did not come to rest in time", {}},
       {"safe_report", "The controller did not say why it stopped", {}},
       {"belt", "The sheet in the pictures and the belt's encoder disagree", {}},
-      {"gate_lag", "The laser does not come on as the beam sets off", {}},
+      {"gate_lag", "The laser comes on too late or too early for the beam", {}},
       {"laser_gate", "The laser shines while its gate is off", {}},
       {"spot_seen", "The spot was not seen though the laser's gate was open", {}},
       {"stillness_x",
@@ -52,7 +52,8 @@ std::vector<CheckFacts> factsOfCut() {
        {"pulse_timing", "account", "stillness_x", "stillness_peak", "spot_path"}},
       {"laser_timing",
        "Lines are not burnt from their first to their last point",
-       {"finish", "gate_lag", "laser_gate", "line_energy"}},
+       {"finish", "gate_lag", "laser_gate", "line_energy", "stillness_x", "stillness_peak", "spot_path",
+        "path"}},
       {"joints",
        "Corners, line ends or closures lie off the dieline",
        {"pulse_timing", "account", "stillness_x", "stillness_peak", "spot_path", "path", "edge", "gate_lag",
@@ -93,6 +94,13 @@ std::size_t rankOf(std::string_view name) {
       std::distance(checkFacts().begin(), std::ranges::find(checkFacts(), name, &CheckFacts::name)));
 }
 
+Checks thoseOf(const std::vector<inspect::Check>& checks, inspect::Verdict verdict) {
+  Checks found;
+  for (const inspect::Check& check : checks)
+    if (check.verdict == verdict) found.push_back(&check);
+  return found;
+}
+
 /// The check that `check` follows; null if it fails by itself.
 const inspect::Check* leaderOf(const inspect::Check& check, const Checks& all) {
   const CheckFacts* facts = factsOf(check.name);
@@ -121,20 +129,30 @@ std::string failingPhrase(std::string_view name) {
 }
 
 std::vector<FailureGroup> failureGroups(const std::vector<inspect::Check>& checks, inspect::Verdict verdict) {
-  Checks all;
-  for (const inspect::Check& check : checks)
-    if (check.verdict == verdict) all.push_back(&check);
+  Checks all = thoseOf(checks, verdict);
   std::ranges::stable_sort(all, {}, [](const inspect::Check* c) { return rankOf(c->name); });
+  const Checks failing = thoseOf(checks, inspect::Verdict::kFail);
   std::vector<FailureGroup> groups;
   std::map<const inspect::Check*, std::size_t> group_of;
   for (const inspect::Check* check : all) {
+    // What a failing check brings along is told there.
+    if (verdict != inspect::Verdict::kFail && leaderOf(*check, failing) != nullptr) continue;
     // Leaders come before their followers in checkFacts(), so that theirs is known.
-    if (const inspect::Check* leader = leaderOf(*check, all); leader != nullptr) {
+    const inspect::Check* leader = leaderOf(*check, all);
+    if (leader != nullptr && group_of.contains(leader)) {
       group_of[check] = group_of.at(leader);
       groups[group_of[check]].followers.push_back(check);
     } else {
       group_of[check] = groups.size();
       groups.push_back({check, {}});
+    }
+  }
+  if (verdict == inspect::Verdict::kFail) {
+    for (const inspect::Check& check : checks) {
+      if (check.verdict != inspect::Verdict::kNotProven && check.verdict != inspect::Verdict::kInvalid)
+        continue;
+      if (const inspect::Check* leader = leaderOf(check, failing); leader != nullptr)
+        groups[group_of.at(leader)].followers.push_back(&check);
     }
   }
   std::ranges::stable_sort(groups, std::ranges::greater(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/report/headline.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -14,8 +15,11 @@ using inspect::Whereabouts;
 
 std::string howMuchOf(const inspect::Check& check) {
   if (std::isnan(check.value)) return "it could not be measured";
-  const std::string value = (check.at_least ? "at least " : "") + checkNumber(check, check.value);
-  const std::string u = check.u > 0.0 ? " ± " + checkNumber(check, check.u) : "";
+  // What lies beyond the reach of a measurement has a bound and no U.
+  const std::string value = check.at_least
+                                ? "at least " + checkNumber(check, std::max(0.0, check.value - check.u))
+                                : checkNumber(check, check.value);
+  const std::string u = check.u > 0.0 && !check.at_least ? " ± " + checkNumber(check, check.u) : "";
   return check.upper ? fmt::format("{}{}, where {} is allowed", value, u, checkNumber(check, check.limit))
                      : fmt::format("{}{} of margin, where {} is asked for", value, u,
                                    checkNumber(check, check.limit));

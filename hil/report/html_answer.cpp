@@ -67,9 +67,11 @@ std::string followersOf(const RunReport& report, const FailureGroup& group) {
                   group.primary->verdict == Verdict::kFail ? "Fails" : "Not proven or measured");
   for (const Check* check : group.followers) {
     const std::string when = linkedWhen(report, *check);
-    html += fmt::format("<li id='check-{0}'><b>{1}</b> <small>{0}</small>: {2}; {3}{4}{5}</li>",
+    const bool is_as_primary = check->verdict == group.primary->verdict;
+    html += fmt::format("<li id='check-{0}'><b>{1}</b> <small>{0}{6}</small>: {2}; {3}{4}{5}</li>",
                         escapeHtml(check->name), escapeHtml(phraseOf(*check)), escapeHtml(howMuchOf(*check)),
-                        linkedWhere(report, *check), when.empty() ? "" : ", ", when);
+                        linkedWhere(report, *check), when.empty() ? "" : ", ", when,
+                        is_as_primary ? "" : fmt::format(": {}", inspect::verdictName(check->verdict)));
   }
   return html + "</ul></div>";
 }
@@ -102,6 +104,28 @@ std::string articleOf(const RunReport& report, const FailureGroup& group, std::s
          followersSeen(report, group, shown) + "</article>\n";
 }
 
+/// The checks of a good run that have the least room, each with its figure.
+std::string nearestToLimits(const RunReport& report) {
+  constexpr std::size_t kTold = 3;
+  std::vector<const Check*> all;
+  for (const Check& check : report.result.checks)
+    if (inspect::shareOfLimit(check) > 0.0) all.push_back(&check);
+  std::ranges::stable_sort(all, std::ranges::greater(),
+                           [](const Check* check) { return inspect::shareOfLimit(*check); });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kTold, all.size()); ++i)
+    text += fmt::format("{}{} {}", i == 0 ? "" : "; ", all[i]->name, howMuchOf(*all[i]));
+  return text;
+}
+
+/// What the job has, and nothing could tell.
+std::string notJudgedOf(const RunReport& report) {
+  std::string text;
+  for (const inspect::Unjudged& unjudged : report.result.unjudged)
+    if (unjudged.applies) text += (text.empty() ? "" : ", ") + unjudged.name;
+  return text;
+}
+
 }  // namespace
 
 std::string headlineSentence(const RunReport& report) {
@@ -111,12 +135,17 @@ std::string headlineSentence(const RunReport& report) {
 }
 
 std::string headlineList(const RunReport& report) {
-  if (report.result.verdict != Verdict::kFail) return {};
-  const Headline headline = headlineOf(report);
   std::string html;
   const auto add = [&](std::string_view name, const std::string& value) {
     if (!value.empty()) html += fmt::format("<dt>{}<dd>{}", name, escapeHtml(value));
   };
+  if (report.result.verdict == Verdict::kPass) {
+    add("Nearest to their limits", nearestToLimits(report));
+    add("Not judged", notJudgedOf(report));
+    return html.empty() ? html : "<dl class=answer>" + html + "</dl>";
+  }
+  if (report.result.verdict != Verdict::kFail) return {};
+  const Headline headline = headlineOf(report);
   add("Where", headline.where);
   add("When", headline.when);
   add("Likely cause", headline.cause);

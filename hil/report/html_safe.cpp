@@ -26,21 +26,34 @@ struct SafeStep {
 };
 
 std::vector<SafeStep> stepsOf(const SafeTimeline& safe) {
-  return {
-      {"laser's gate off", safe.laser_due_s, safe.gate_off_s},
-      {"last pulse of an axis", safe.axes_due_s, safe.last_pulse_s},
-      {safe.word.empty() ? "word of the controller" : "word: " + safe.word, safe.word_due_s, safe.word_s}};
+  return {{"laser's gate off", safe.laser_due_s, safe.gate_off_s},
+          {"last pulse of an axis", safe.axes_due_s, safe.last_pulse_s},
+          {safe.word.empty() ? "message of the controller" : "message: " + safe.word, safe.word_due_s,
+           safe.word_s}};
 }
 
 std::string afterCause(double time_s, double cause_s) {
   return std::isfinite(time_s) ? fmt::format("{:+.4g} ms", 1e3 * (time_s - cause_s)) : std::string("never");
 }
 
-/// Scale of milliseconds after the cause.
+/// Milliseconds after the cause, logarithmic from kFine_ms on: the gate has a tenth of a millisecond, words
+/// have fifty.
 struct SafeScale {
+  static constexpr double kFine_ms = 0.01;
   double from_ms{}, to_ms{};
+  static double squeezed(double ms) { return std::copysign(std::log10(1.0 + std::abs(ms) / kFine_ms), ms); }
   [[nodiscard]] double x(double ms) const {
-    return kSafeWidth * (std::clamp(ms, from_ms, to_ms) - from_ms) / (to_ms - from_ms);
+    const double from = squeezed(from_ms);
+    return kSafeWidth * (squeezed(std::clamp(ms, from_ms, to_ms)) - from) / (squeezed(to_ms) - from);
+  }
+  /// 0 and powers of ten of milliseconds, on either side.
+  [[nodiscard]] std::vector<double> marks() const {
+    std::vector<double> found{0.0};
+    for (double ms = kFine_ms; ms < std::max(to_ms, -from_ms); ms *= 10.0) {
+      if (ms < to_ms) found.push_back(ms);
+      if (-ms > from_ms) found.push_back(-ms);
+    }
+    return found;
   }
 };
 
@@ -56,8 +69,7 @@ SafeScale scaleOf(const SafeTimeline& safe) {
     include(step.due_s);
     include(step.happened_s);
   }
-  const double margin_ms = 0.06 * (to_ms - from_ms);
-  return {from_ms - margin_ms, to_ms + margin_ms};
+  return {1.5 * from_ms, 1.5 * to_ms};
 }
 
 std::string safeRow(const SafeTimeline& safe, const SafeStep& step, const SafeScale& scale, double y) {
@@ -107,7 +119,7 @@ std::string safeTimelineFigure(const RunReport& report) {
   std::string svg = fmt::format(
       "<svg class=wave viewBox='-170 -16 {:.0f} {:.0f}' role=img aria-label='Time line of the stop'>",
       kSafeWidth + 260.0, bottom + 46.0);
-  for (const double ms : ticks(scale.from_ms, scale.to_ms)) {
+  for (const double ms : scale.marks()) {
     svg += fmt::format(
         "<line class=grid x1={0:.1f} x2={0:.1f} y1=0 y2={1:.0f} /><text class=tick x={0:.1f} y={2:.0f} "
         "text-anchor=middle>{3:g} ms</text>",
@@ -123,7 +135,9 @@ std::string safeTimelineFigure(const RunReport& report) {
     y += kSafeRow;
   }
   return "<figure>" + scrolled("Time line", svg + "</svg>") +
-         "<figcaption>Time after the cause. Green: what is allowed.</figcaption></figure>" + safeTable(safe);
+         "<figcaption>Time after the cause, on a logarithmic axis. Green: what is "
+         "allowed.</figcaption></figure>" +
+         safeTable(safe);
 }
 
 }  // namespace kerfbench::report

@@ -99,7 +99,8 @@ std::string sentenceOfVerdict(const RunReport& report) {
     case inspect::Verdict::kPass:
       if (report.provoked)
         return fmt::format(
-            "The release came to rest safely: all {} checks are proven good. The job was to be stopped, so "
+            "The controller stopped the job safely: all {} checks are proven good. The job was to be "
+            "stopped, so "
             "no "
             "camera looked at the cut.",
             result.checks.size());
@@ -108,11 +109,10 @@ std::string sentenceOfVerdict(const RunReport& report) {
             "All {} checks that were judged are proven good, measurement uncertainty included; but mind: {}.",
             result.checks.size(), but);
       }
-      return fmt::format(
-          "The release is good: all {} checks are proven good, measurement uncertainty included.",
-          result.checks.size());
+      return fmt::format("This run is good: all {} checks are proven good, measurement uncertainty included.",
+                         result.checks.size());
     case inspect::Verdict::kFail:
-      return fmt::format("The release is bad: proven by {}.{}", names, stop.empty() ? "" : " " + stop);
+      return fmt::format("This run is bad: proven by {}.{}", names, stop.empty() ? "" : " " + stop);
     case inspect::Verdict::kNotProven:
       return fmt::format(
           "Neither good nor bad is proven: inside the guard band of {}. A finer measurement or a better "

@@ -127,16 +127,28 @@ std::string timeAxis(const Moment& moment, const WaveScale& scale, double bottom
 /// The moment itself, as wide as it is known.
 std::string nowLine(const RunReport& report, const Moment& moment, const WaveScale& scale, double bottom) {
   double within_s = 0.0;
-  for (const inspect::Check& check : report.result.checks)
-    if (std::ranges::find(moment.checks, check.name) != moment.checks.end())
-      within_s = std::max(within_s, check.where.within_s);
+  std::string other;
+  for (const inspect::Check& check : report.result.checks) {
+    if (std::ranges::find(moment.checks, check.name) == moment.checks.end()) continue;
+    within_s = std::max(within_s, check.where.within_s);
+    const double x = scale.x(check.where.other_s);
+    if (std::isnan(check.where.other_s) || x <= 0.0 || x >= kWaveWidth) continue;
+    // From the one instant to the other: that is what the check judges.
+    const double now = scale.x(moment.time_s);
+    other = fmt::format(
+        "<rect class=nowband x={0:.1f} y=0 width={1:.1f} height={2:.1f} /><line class=now "
+        "stroke-dasharray='4 3' "
+        "x1={3:.1f} x2={3:.1f} y1=0 y2={2:.1f} ><title>{4}: counted from here</title></line>",
+        std::min(x, now), std::abs(now - x), bottom, x, check.name);
+  }
   const double left = scale.x(moment.time_s - within_s);
-  return fmt::format(
-      "<rect class=nowband x={:.1f} y=0 width={:.1f} height={:.1f} /><line class=now x1={:.1f} x2={:.1f} "
-      "y1=0 "
-      "y2={:.1f} />",
-      left, scale.x(moment.time_s + within_s) - left, bottom, scale.x(moment.time_s), scale.x(moment.time_s),
-      bottom);
+  return other + fmt::format(
+                     "<rect class=nowband x={:.1f} y=0 width={:.1f} height={:.1f} /><line class=now "
+                     "x1={:.1f} x2={:.1f} "
+                     "y1=0 "
+                     "y2={:.1f} />",
+                     left, scale.x(moment.time_s + within_s) - left, bottom, scale.x(moment.time_s),
+                     scale.x(moment.time_s), bottom);
 }
 
 }  // namespace

@@ -98,8 +98,7 @@ const inspect::Check* nearestToLimit(const RunVerdict& verdict) {
   const inspect::Check* nearest = nullptr;
   double most = -1.0;
   for (const inspect::Check& check : verdict.checks) {
-    if (!check.upper || !(check.limit > 0.0) || !std::isfinite(check.value)) continue;
-    const double share = check.value / check.limit;
+    const double share = inspect::shareOfLimit(check);
     if (share > most) nearest = &check;
     most = std::max(most, share);
   }

@@ -52,8 +52,10 @@ Check accountCheck(const ControllerAccount& account) {
       check.subject = "belt";
       check.unit = "counts";
       check.explanation = fmt::format(
-          "The controller says that the belt has gone {} counts; A and B made {} to {} of them meanwhile.",
-          belt.told, belt.seen_min, belt.seen_max);
+          "The controller says that the belt has gone {} counts; by A and B it made {} to {} while those "
+          "words were "
+          "under way, of which it may be off by {}: {} are too many or too few.",
+          belt.told, belt.seen_min, belt.seen_max, kBeltAccountCounts, off);
     }
   }
   check.value = static_cast<double>(worst);

@@ -327,6 +327,7 @@ Finding gateLagCheck(const Evidence& evidence, const Tolerances& limits, const L
   check.where = atPlace(worst.unit, worst.entity, worst.p_S_mm);
   check.where.time = Whereabouts::Time::kPins;
   check.where.time_s = worst.on_s;
+  check.where.other_s = worst.on_s - worst.lag_s;
   decide(check);
   const double median_ms = medianOf(lags_ms);
   check.explanation = fmt::format(

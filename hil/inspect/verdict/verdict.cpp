@@ -61,6 +61,11 @@ std::string percent(double chance) {
 
 }  // namespace
 
+double shareOfLimit(const Check& check) {
+  const bool says = check.upper && check.limit > 0.0 && std::isfinite(check.value);
+  return says ? check.value / check.limit : -1.0;
+}
+
 Verdict decideAtLeast(Check& check) {
   check.at_least = decide(check) == Verdict::kFail;
   if (check.at_least) return check.verdict;

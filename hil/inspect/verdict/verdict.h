@@ -32,6 +32,8 @@ struct Whereabouts {
   Time time{Time::kNone};
   double time_s{std::numeric_limits<double>::quiet_NaN()};  ///< On the clock of the pins.
   double within_s{};  ///< Half of the time between the frames on either side; 0 of a time of the pins.
+  /// Where the value is a time between two instants the other one, on the same clock; else NaN.
+  double other_s{std::numeric_limits<double>::quiet_NaN()};
 
   [[nodiscard]] bool hasPlace() const { return !std::isnan(x_mm) && !std::isnan(y_mm); }
   [[nodiscard]] bool hasTime() const { return !std::isnan(time_s); }
@@ -60,6 +62,10 @@ struct Check {
   /// True: the value is the farthest that the measurement reaches, and the truth lies there or beyond.
   bool at_least{};
 };
+
+/// The share of its limit that the value of a check takes, > 0; -1 where that says nothing: a lower limit,
+/// one of 0, or no value.
+double shareOfLimit(const Check& check);
 
 /// A check that says nothing of a run, and why. A run names every check: each is judged, or one of these.
 struct Unjudged {

@@ -16,6 +16,7 @@
 
 #include "hil/report/causes.h"
 #include "hil/report/headline.h"
+#include "hil/report/html_answer.h"
 #include "hil/report/html_text.h"
 #include "tests/hil/inspect/synthetic_run.h"
 #include "tests/hil/report/page_checks.h"
@@ -93,6 +94,16 @@ TEST(FailureGroups, FollowTheCauseOfTheirCause) {
   EXPECT_THAT(namesOf(groups[0].followers), ElementsAre("spot_path", "path", "stray"));
 }
 
+TEST(FailureGroups, TakeAlongWhatIsNotProvenBecauseOfAFailure) {
+  const std::vector<Check> checks{checkNamed("spot_path"), checkNamed("laser_timing", Verdict::kNotProven),
+                                  checkNamed("finish", Verdict::kInvalid)};
+  const auto failed = failureGroups(checks, Verdict::kFail);
+  ASSERT_EQ(failed.size(), 1U);
+  EXPECT_THAT(namesOf(failed[0].followers), ElementsAre("laser_timing"));
+  EXPECT_THAT(failureGroups(checks, Verdict::kNotProven), IsEmpty()) << "told once";
+  ASSERT_EQ(failureGroups(checks, Verdict::kInvalid).size(), 1U) << "nothing brings that along";
+}
+
 TEST(FailureGroups, OfACauseThatPassedIsNone) {
   const std::vector<Check> checks{checkNamed("gate_lag", Verdict::kPass), checkNamed("laser_timing")};
   const auto groups = failureGroups(checks, Verdict::kFail);
@@ -141,6 +152,26 @@ TEST(HeadlineTest, OfAPassNamesNoCheck) {
   const Headline headline = headlineOf(reportOf(inspect::testing::SyntheticRun()));
   EXPECT_EQ(headline.check, "");
   EXPECT_EQ(headline.what, "");
+}
+
+TEST(HeadlineTest, OfAPassSaysHowMuchRoomIsLeftAndWhatWasNotJudged) {
+  RunReport report = reportOf(inspect::testing::SyntheticRun());
+  report.result.verdict = Verdict::kPass;
+  report.result.checks = {checkNamed("path", Verdict::kPass), checkNamed("joints", Verdict::kPass),
+                          checkNamed("repeat", Verdict::kPass), checkNamed("stray", Verdict::kPass)};
+  const std::vector<double> values{0.01, 0.04, 0.02, 0.03};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    report.result.checks[i].value = values[i];
+    report.result.checks[i].limit = 0.05;
+  }
+  report.result.unjudged = {{"gate_lag", "", true, "Too few frames."},
+                            {"perforation", "", false, "None is drawn."}};
+  const std::string list = headlineList(report);
+  const auto at = [&](const char* name) { return list.find(name); };
+  EXPECT_LT(at("joints"), at("stray"));
+  EXPECT_LT(at("stray"), at("repeat"));
+  EXPECT_EQ(at("path"), std::string::npos) << "three are named";
+  EXPECT_THAT(list, HasSubstr("<dt>Not judged<dd>gate_lag</dl>")) << "what is not drawn is not missing";
 }
 
 TEST(WhenTest, TellsWhatTheTimeIsThatOf) {

@@ -131,6 +131,16 @@ TEST(Waveform, StaysSmallForFastPins) {
   EXPECT_LT(waveformFigure(withMoment(), 0).size(), 60'000U);
 }
 
+TEST(Waveform, MarksBothInstantsOfATimeThatIsJudged) {
+  RunReport report = withMoment();
+  EXPECT_THAT(waveformFigure(report, 0), Not(HasSubstr("counted from here")));
+  for (inspect::Check& check : report.result.checks)
+    if (check.name == "path") check.where.other_s = 0.4975;
+  // 2.5 ms before the moment: a quarter of the width.
+  EXPECT_THAT(waveformFigure(report, 0), HasSubstr("x1=200.0 x2=200.0"));
+  EXPECT_THAT(waveformFigure(report, 0), HasSubstr("path: counted from here"));
+}
+
 TEST(Waveform, IsLinkedFromItsCheck) {
   const RunReport report = withMoment();
   const std::string html = htmlOf(report);

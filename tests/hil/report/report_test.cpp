@@ -37,7 +37,7 @@ TEST(VerdictSentence, TellsWhyTheControllerStopped) {
   run.evidence.end = {inspect::ControllerEnd::Said::kStopped, 100.0, "dry", "its queue ran dry", true, 99.0};
   const RunReport report = reportOf(run);
   const std::string why = "At 100.000 s the controller stopped before the job was done: its queue ran dry.";
-  EXPECT_THAT(verdictSentence(report), HasSubstr("The release is bad: proven by finish. " + why));
+  EXPECT_THAT(verdictSentence(report), HasSubstr("This run is bad: proven by finish. " + why));
   EXPECT_THAT(stopSentence(report.result), HasSubstr(why));
   EXPECT_EQ(stopSentence(reportOf(inspect::testing::SyntheticRun()).result), "");
 }
@@ -187,7 +187,7 @@ TEST(Reservations, StandInTheSentenceOfAPassAndInEachFile) {
               ::testing::ElementsAre("wide_limit", "not_judged", "part_not_judged", "model_pictures",
                                      "unsealed_recording", "calibration_undated"));
   const std::string sentence = verdictSentence(report);
-  EXPECT_THAT(sentence, Not(HasSubstr("The release is good")));
+  EXPECT_THAT(sentence, Not(HasSubstr("This run is good")));
   EXPECT_THAT(sentence, HasSubstr("path_mm 10 (default 0.05)"));
   EXPECT_THAT(sentence, HasSubstr("not judged: account, finish"));
   EXPECT_THAT(sentence, HasSubstr("1 of 8 entities of the drawing"));
