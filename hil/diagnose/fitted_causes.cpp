@@ -30,11 +30,10 @@ constexpr double kLostRather = 100.0;
 constexpr double kFarAway = 9.0;
 /// Share of the path's limit that a cause must move some line by.
 constexpr double kWorthOfLimit = 0.3;
-/// The same of each of two.
+/// The same of each of two, and of what begins at some time: it can be put at any, and so fits noise as well.
 constexpr double kWorthOfTwo = 0.7;
-/// Share of the deviation that a cause must explain: one that moves other places than those that deviate is
-/// none.
-constexpr double kWorthOfShare = 0.1;
+/// Share of the deviation that a cause must explain by itself, if it is named alone.
+constexpr double kWorthOfShare = 0.005;
 /// Relative standard uncertainty of sizes by what the signatures leave out: terms of the second order.
 constexpr double kModel = 0.005;
 constexpr double kGrossModel = 0.015;
@@ -108,9 +107,10 @@ class Ranker {
       chosen = singles[i];
       fitted.causes = toldAll(chosen);
     }
-    if (fitted.causes.empty() || !(fitted.deviation_mm < kGross_mm)) return fitted;
+    if (!(fitted.deviation_mm < kGross_mm)) return fitted;
+    // Of two that work against each other neither explains anything alone.
     const std::optional<Candidate> two = bestPair(singles);
-    if (!two || two->score < chosen.score + kWorthTwo) return fitted;
+    if (!two || two->score < std::max(chosen.score, singles.front().score) + kWorthTwo) return fitted;
     if (std::vector<Cause> pair = toldAll(*two); pair.size() == 2) fitted.causes = std::move(pair);
     std::ranges::stable_sort(fitted.causes, std::greater<>(), &Cause::share);
     return fitted;
@@ -259,10 +259,23 @@ class Ranker {
     const std::size_t k = fit_->indexOf(cause.size_of.front());
     if (lines.most_mm >= kWorthOfLimit * evidence_.limit_mm || fit_->signatures()[k].stage != Stage::kMachine)
       return lines;
+    return explainedOfSpots(cause, sizes);
+  }
+
+  [[nodiscard]] Explained explainedOfSpots(const KnownCause& cause, const Eigen::VectorXd& sizes) const {
     Explained spots;
     for (const Row& row : fit_->all())
       if (row.of_spot) spots.take(row.y_mm, movedBy(cause, sizes, row));
     return spots;
+  }
+
+  /// True for a cause that leaves lines as far off as they were, and spots as well.
+  [[nodiscard]] bool explainsNothing(const KnownCause& known, const Eigen::VectorXd& sizes,
+                                     double share) const {
+    if (share >= kWorthOfShare) return false;
+    const bool is_of_machine =
+        fit_->signatures()[fit_->indexOf(known.size_of.front())].stage == Stage::kMachine;
+    return !is_of_machine || explainedOfSpots(known, sizes).share() < kWorthOfShare;
   }
 
   /// All causes of a candidate that move lines, or the spot along them, by enough.
@@ -295,8 +308,11 @@ class Ranker {
     cause.left_mm =
         std::sqrt(explained.after / static_cast<double>(std::max<std::size_t>(1, explained.count)));
     cause.score = chosen.score;
-    if (explained.most_mm < kWorthOfLimit * evidence_.limit_mm || cause.share < kWorthOfShare) return {};
-    if (chosen.causes.size() > 1 && explained.most_mm < kWorthOfTwo * evidence_.limit_mm) return {};
+    const bool is_alone = chosen.causes.size() == 1;
+    const double worth = is_alone && !isTimed(known) ? kWorthOfLimit : kWorthOfTwo;
+    if (explained.most_mm < worth * evidence_.limit_mm || (is_alone && cause.share < kWorthOfShare))
+      return {};
+    if (known.only_positive && !(cause.size.value > 0.0)) return {};
     cause.key = known.key == kPulsesLost && cause.size.value < 0.0 ? kPulsesDoubled : known.key;
     if (isTimed(known) || known.key == kPulsesLost) cause.size.value = std::abs(cause.size.value);
     cause.instead = alternatives(known, chosen);

@@ -276,6 +276,8 @@ void ofDrives(const Evidence& evidence, std::vector<KnownCause>& list) {
   constexpr double kSecondOrder = 0.03;
   for (KnownCause& cause : list)
     if (cause.unit == "ms" && cause.key != "latency") cause.model = kSecondOrder;
+  for (KnownCause& cause : list)
+    cause.only_positive = cause.key == "loop_soft" || cause.key.starts_with("backlash");
   for (const char* const axis : {"X", "Y"}) {
     const std::string key = *axis == 'X' ? "backlash_x" : "backlash_y";
     list.push_back(linear(

@@ -24,6 +24,7 @@ struct KnownCause {
   std::function<std::string(const std::vector<double>& sizes)> advice;
   /// Relative standard uncertainty of its size by what its signature leaves out.
   double model{};
+  bool only_positive{};  ///< Nothing has less than none of it: play, axes that give way.
 };
 
 /// All of them for a machine, the plainer before what looks alike.

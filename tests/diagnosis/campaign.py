@@ -25,7 +25,7 @@ from job import Job
 from recording import Recording
 import stamp  # noqa: E402
 
-SEED, TUNED_WITH = 3, 1
+SEED, TUNED_WITH = 4, 3
 FAULTS_OF_A_KIND, PAIRS, GOOD = 4, 40, 300
 LEAST, MOST = 1.1, 4.0
 QUICK = ("program_rotation", "step_scale", "encoder_scale", "pincushion_missing", "backlash", "gate_late", "pulses_lost",
