@@ -108,7 +108,7 @@ class Ranker {
       fitted.causes = toldAll(chosen);
     }
     if (!(fitted.deviation_mm < kGross_mm)) return fitted;
-    // Of two that work against each other neither explains anything alone.
+    // Where two work against each other, neither explains anything alone.
     const std::optional<Candidate> two = bestPair(singles);
     if (!two || two->score < std::max(chosen.score, singles.front().score) + kWorthTwo) return fitted;
     if (std::vector<Cause> pair = toldAll(*two); pair.size() == 2) fitted.causes = std::move(pair);

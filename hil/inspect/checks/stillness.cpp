@@ -37,10 +37,11 @@ int entityOfRun(const LitFrames& lit, const LitRun& run) {
   return most == frames.end() ? -1 : most->first;
 }
 
-/// Whether a spot has left its line farther than lines are looked for. Which line it follows there is not
-/// known, and a distance from the one that it left tells no motion.
+/// Whether a spot has left its line farther than lines are looked for, and did not come back along it. Which
+/// line it follows there is not known, and a distance from the one that it left tells no motion.
 bool isLost(const LitFrame& frame) {
-  return frame.entity < 0 && frame.left_entity >= 0 && std::abs(frame.deviation_mm) > kSearch_mm;
+  return frame.entity < 0 && frame.left_entity >= 0 && !frame.beside &&
+         std::abs(frame.deviation_mm) > kSearch_mm;
 }
 
 /// Whether a frame shows x of the spot on a line.

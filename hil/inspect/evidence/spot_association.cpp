@@ -197,6 +197,35 @@ class RunFollower {
       run[i].left_entity = entity;
       measure(run[i], {entity, nearest, dieline::tangentAt(curve, nearest.u)}, angles_rad[i]);
     }
+    markThoseBeside(run);
+  }
+
+  /// Stretches off every line between two frames on one and the same entity.
+  void markThoseBeside(std::span<LitFrame> run) const {
+    for (std::size_t begin = 1; begin < run.size(); ++begin) {
+      const int entity = run[begin - 1].entity;
+      if (entity < 0 || run[begin].left_entity != entity) continue;
+      std::size_t end = begin;
+      while (end < run.size() && run[end].left_entity == entity) ++end;
+      if (end < run.size() && run[end].entity == entity && goesAlong(run, begin - 1, end, entity))
+        for (std::size_t i = begin; i < end; ++i) run[i].beside = true;
+      begin = end;
+    }
+  }
+
+  /// Whether the way from one frame to another leads along an entity, but for a tenth.
+  [[nodiscard]] bool goesAlong(std::span<const LitFrame> run, std::size_t from, std::size_t to,
+                               int entity) const {
+    constexpr double kAlong = 0.9;
+    const dieline::Curve& curve = dieline_.entities[static_cast<std::size_t>(entity)].curve;
+    double along_mm = 0.0;
+    double way_mm = 0.0;
+    for (std::size_t i = from + 1; i <= to; ++i) {
+      const Eigen::Vector2d step_mm = run[i].p_S_mm - run[i - 1].p_S_mm;
+      along_mm += step_mm.dot(dieline::tangentAt(curve, dieline::nearestOn(curve, run[i].p_S_mm).u));
+      way_mm += step_mm.norm();
+    }
+    return std::abs(along_mm) >= kAlong * way_mm;
   }
 
   const dieline::Dieline& dieline_;
@@ -228,6 +257,7 @@ std::optional<PlacedSpot> placeOnUnit(const vision::FrameMeasurement& frame, std
                                .sheet_x_mm = pose->p_WS_mm.x(),
                                .entity = -1,
                                .left_entity = -1,
+                               .beside = false,
                                .deviation_mm = kNan,
                                .n_x = 0.0,
                                .distance_mm = kSearch_mm,

@@ -20,8 +20,10 @@ struct LitFrame {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Spot in the frame S of its unit.
   std::vector<std::size_t> marks{};                 ///< Marks of the print that told where the unit was.
   double sheet_x_mm{};                              ///< x_W of the origin of S.
-  int entity{-1};         ///< -1: no entity within kReach_mm that runs the same way.
-  int left_entity{-1};    ///< Line that the run of a spot off every line had followed, or came back to.
+  int entity{-1};       ///< -1: no entity within kReach_mm that runs the same way.
+  int left_entity{-1};  ///< Line that the run of a spot off every line had followed, or came back to.
+  /// The spot left that line and came back to it, and went along it all the while: beside it however far.
+  bool beside{};
   double deviation_mm{};  ///< Along the left normal of either; NaN if there is none.
   double n_x{};           ///< x of that normal in W.
   double distance_mm{};   ///< Distance to the nearest entity of any kind; kSearch_mm if none is nearer.
@@ -61,7 +63,8 @@ inline bool isOffLine(const LitFrame& frame) { return frame.entity < 0 && frame.
 ///
 /// A spot that leaves its line by more than kReach_mm is still measured against it, as left_entity: if the
 /// frames of its run before and after it, where there are any, agree on the entity, and it lies beside that,
-/// not beyond an end of it.
+/// not beyond an end of it. Farther off than kSearch_mm that tells where it was only if it went along that
+/// line, by nine tenths of its way, from where it left it to where it came back (`beside`).
 ///
 /// @param gates When the gate was open; in any order.
 LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& dieline,
