@@ -76,9 +76,8 @@ def page_of(proof, here_s, slurm, digest, made_with):
     lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "<!-- Written by ./bench campaign-proof: do not edit. -->",
              "# A campaign here and on Slurm", "",
              f"{proof.runs} runs of [label-faults.yaml](../../fixtures/campaigns/label-faults.yaml), here with two runs at a time, and on a "
-             "Slurm cluster of two nodes with a processor each, all on one computer of two cores. The times are of a computer that did other "
-             "things as well; the kernel then shares the processors by session, and each step of Slurm is a session of its own, so its runs got "
-             "the larger share.", "", made_with, "",
+             "Slurm cluster of two nodes with a processor each, all on one computer of two cores. The times "
+             "are worth something only if it did nothing else.", "", made_with, "",
              "| | here | Slurm |", "|---|---|---|",
              f"| digest of results.jsonl | `{digest}` | the same |",
              f"| time | {here_s / 60:.1f} min | {slurm['s'] / 60:.1f} min |",
