@@ -7,8 +7,7 @@
 
 namespace kerfbench::diagnose {
 
-/// Keys of causes with which the beam is elsewhere than its pulses lead it: nothing else can be fitted.
-inline constexpr const char* kPulledOut = "stepper_pulled_out";
+/// Key of a beam that no camera sees.
 inline constexpr const char* kBeamUnseen = "beam_unseen";
 
 /// Causes that pins, words, program and pictures show by themselves, in the order in which they weigh.

@@ -152,7 +152,7 @@ struct Evidence {
   /// it.
   double belt_followed{kUnknown};
   Eigen::Vector2d drawing_centre_mm{0, 0};
-  std::optional<PowerSwing> power_swing;  ///< How the laser's power swings by itself, by the pins.
+  std::optional<PowerSwing> power_swing;  ///< Where a power meter is wired: how the power swings by itself.
   std::vector<LineReading> lines;
   std::vector<SpotReading> spots;
   std::vector<GateReading> gates;

@@ -129,6 +129,16 @@ void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, EntityR
 }
 
 template <typename V, typename T>
+void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, BeltReading> {
+  v.take(x.ratio), v.take(x.ratio_sigma), v.take(x.travel_mm);
+}
+
+template <typename V, typename T>
+void members(V& v, T& x) requires std::is_same_v<std::remove_const_t<T>, PowerSwing> {
+  v.take(x.share), v.take(x.share_U), v.take(x.period_s);
+}
+
+template <typename V, typename T>
 void scalars(V& v, T& e) {
   v.take(e.limit_mm), v.take(e.passed), v.take(e.failed), v.take(e.edges_judged), v.take(e.kerf_radius_mm);
   v.take(e.ordered_radius_mm), v.take(e.planned_speed_mm_s), v.take(e.sheet_moves),
@@ -146,6 +156,11 @@ Json one(const T& x) {
 }
 
 template <typename T>
+Json optional(const std::optional<T>& x) {
+  return x ? one(*x) : Json(nullptr);
+}
+
+template <typename T>
 Json list(const std::vector<T>& from) {
   Json json = Json::array();
   for (const T& x : from) json.push_back(one(x));
@@ -156,6 +171,11 @@ template <typename T>
 void read(const Json& from, T& x) {
   Reader reader(from);
   members(reader, x);
+}
+
+template <typename T>
+void read(const Json& from, std::optional<T>& to) {
+  if (!from.is_null()) read(from, to.emplace());
 }
 
 template <typename T>
@@ -176,20 +196,8 @@ std::string evidenceJson(const Evidence& evidence) {
   json["drives"] = list(evidence.drives);
   json["entities"] = list(evidence.entities);
   json["gates"] = list(evidence.gates);
-  json["belt"] = nullptr;
-  if (evidence.belt) {
-    Writer belt;
-    belt.take(evidence.belt->ratio), belt.take(evidence.belt->ratio_sigma),
-        belt.take(evidence.belt->travel_mm);
-    json["belt"] = belt.json;
-  }
-  json["power_swing"] = nullptr;
-  if (evidence.power_swing) {
-    Writer swing;
-    swing.take(evidence.power_swing->share), swing.take(evidence.power_swing->share_U),
-        swing.take(evidence.power_swing->period_s);
-    json["power_swing"] = swing.json;
-  }
+  json["belt"] = optional(evidence.belt);
+  json["power_swing"] = optional(evidence.power_swing);
   json["lines"] = list(evidence.lines);
   json["spots"] = list(evidence.spots);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -207,18 +215,8 @@ Evidence evidenceFromJson(const std::string& text) {
     read(json.at("drives"), evidence.drives);
     read(json.at("entities"), evidence.entities);
     read(json.at("gates"), evidence.gates);
-    if (const Json& j = json.at("belt"); !j.is_null()) {
-      Reader belt(j);
-      evidence.belt.emplace();
-      belt.take(evidence.belt->ratio), belt.take(evidence.belt->ratio_sigma),
-          belt.take(evidence.belt->travel_mm);
-    }
-    if (const Json& j = json.at("power_swing"); !j.is_null()) {
-      Reader swing(j);
-      evidence.power_swing.emplace();
-      swing.take(evidence.power_swing->share), swing.take(evidence.power_swing->share_U),
-          swing.take(evidence.power_swing->period_s);
-    }
+    read(json.at("belt"), evidence.belt);
+    read(json.at("power_swing"), evidence.power_swing);
     read(json.at("lines"), evidence.lines);
     read(json.at("spots"), evidence.spots);
     return evidence;

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "hil/diagnose/direct_causes.h"
-
 namespace kerfbench::diagnose {
 namespace {
 

@@ -8,6 +8,7 @@
 namespace kerfbench::diagnose {
 
 inline constexpr const char* kPulsesLost = "pulses_lost";
+inline constexpr const char* kPulledOut = "stepper_pulled_out";
 inline constexpr const char* kPulsesDoubled = "pulses_doubled";
 
 /// An axis that is displaced from some time on, and what that means there.

@@ -9,9 +9,11 @@
 namespace kerfbench::diagnose {
 namespace {
 
-constexpr double kSteady = 0.05;
-constexpr std::size_t kShortest = 40;  // Spans: 20 ms.
-constexpr std::size_t kLeastHalf = 3, kMostHalf = 30;
+constexpr double kSteady = 0.05;                       // Of the speed.
+constexpr std::size_t kShortest = 40;                  // Spans: 20 ms.
+constexpr std::size_t kLeastHalf = 3, kMostHalf = 30;  // Spans of half a period: 1.5 to 15 ms.
+/// Autocorrelation half a period and a whole one later. Noise has 0 at both; a sine has -1 and 1, less the
+/// more its period wanders.
 constexpr double kOpposite = -0.35, kBack = 0.2;
 constexpr double kFewestPeriods = 10.0;
 constexpr double kLeastSwing = 0.05;

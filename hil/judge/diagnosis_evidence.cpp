@@ -213,7 +213,8 @@ class EvidenceMaker {
                          scenario.job.power ? 0.0 : scenario.job.cut_energy_j_per_mm,
                          scenario.job.mark_speed_mm_s, scenario.job.acceleration_mm_s2};
     out_.gates = gateReadings(cuts, asked, sheet_, pins_.light, order);
-    out_.power_swing = diagnose::powerSwing(powerRuns(cuts, pins_.light));
+    // Without a meter there is no loop that could ring.
+    if (!pins_.power_edges_s.empty()) out_.power_swing = diagnose::powerSwing(powerRuns(cuts, pins_.light));
   }
 
   /// How far the pulses go along x from begin to end of each piece of the program, less what the piece itself
