@@ -9,7 +9,7 @@
 namespace kerfbench::diagnose {
 namespace {
 
-constexpr double kSteady = 0.05;                       // Of the speed.
+constexpr double kSteady = 0.05;                       // Share by which the speed may change.
 constexpr std::size_t kShortest = 40;                  // Spans: 20 ms.
 constexpr std::size_t kLeastHalf = 3, kMostHalf = 30;  // Spans of half a period: 1.5 to 15 ms.
 /// Autocorrelation half a period and a whole one later. Noise has 0 at both; a sine has -1 and 1, less the
