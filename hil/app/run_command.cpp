@@ -101,6 +101,9 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
 
   const auto source = run::openRelease(scenario.firmware, options.bin_dir);
   const source::SourceInfo info = source->info();
+  if (!info.unconfined.empty())
+    console.say(fmt::format(
+        "  note: the release sees files and network like any program of yours, because {}", info.unconfined));
   run::ModelMachine machine(test_case, sampled, info.rate, run::modelOptions(test_case));
   const std::unique_ptr<judge::SpotWatch> spot_watch =
       judge::SpotWatch::of(test_case, machine, info.rate, options.jobs);

@@ -15,6 +15,7 @@
 #include "hil/scenario/camera_files.h"
 #include "hil/scenario/gpio_choice.h"
 #include "hil/source/child_connection.h"
+#include "hil/source/confinement.h"
 #include "hil/source/gpio/line_request.h"
 #include "hil/source/gpio/real_time.h"
 
@@ -75,6 +76,11 @@ void lookAtRelease(const scenario::FirmwareChoice& firmware, const fs::path& bin
         {Grade::kNote, program.string() + " is asked when a run begins; doctor --child tries it"});
     return;
   }
+  if (const std::string& trouble = source::troubleOfBubblewrap();
+      firmware.emulator() == nullptr && !trouble.empty())
+    findings.push_back(
+        {Grade::kNote,
+         program.string() + " will see files and network like any program of yours, because " + trouble});
   const bool there = fs::is_regular_file(program);
   findings.push_back(
       {there ? Grade::kGood : Grade::kMissing,

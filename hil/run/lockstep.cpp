@@ -37,7 +37,7 @@ std::string describe(source::Stop stop, const source::SignalSource& source, doub
     case source::Stop::kCrashed:
       return "the firmware or its emulator crashed" + where;
     case source::Stop::kFlooded:
-      return "the firmware floods its pins" + where;
+      return "the firmware floods its pins or its UART" + where;
     case source::Stop::kMisheard:
       return "bench and firmware do not hear each other" + where;
     case source::Stop::kHung:

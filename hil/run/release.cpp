@@ -42,6 +42,7 @@ std::unique_ptr<source::SignalSource> openRelease(const scenario::FirmwareChoice
   // Where nothing is spoken, the firmware may use its UART as it likes.
   options.baud = firmware.dialog == scenario::FirmwareChoice::Dialog::kNone ? 0 : firmware.baud;
   options.max_events_per_quantum = flood(firmware);
+  options.confined = firmware.emulator() == nullptr;
   try {
     return source::openChild(options);
   } catch (const std::runtime_error& e) {

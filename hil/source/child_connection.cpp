@@ -81,9 +81,13 @@ void ChildConnection::kill() {
 
 bool isConnection(const std::filesystem::path& child) { return child.string().starts_with(kTcp); }
 
-std::unique_ptr<ChildChannel> openChannel(const std::filesystem::path& child) {
+std::unique_ptr<ChildChannel> openChannel(const std::filesystem::path& child,
+                                          std::vector<std::string> launcher) {
   constexpr std::chrono::seconds kPatience{10};
-  if (!isConnection(child)) return std::make_unique<ChildProcess>(child);
+  if (!isConnection(child)) {
+    launcher.push_back(child.string());
+    return std::make_unique<ChildProcess>(std::move(launcher));
+  }
   const std::string address = child.string().substr(kTcp.size());
   const auto colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == address.size())

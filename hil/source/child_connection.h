@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "hil/source/child_channel.h"
 
@@ -21,8 +22,10 @@ class ChildConnection final : public ChildChannel {
 };
 
 /// Starts the program, or connects to the child that a path "tcp:HOST:PORT" names.
+/// @param launcher What runs the program (Confinement); empty: it is run as it is.
 /// @throws std::system_error, std::runtime_error as they do.
-std::unique_ptr<ChildChannel> openChannel(const std::filesystem::path& child);
+std::unique_ptr<ChildChannel> openChannel(const std::filesystem::path& child,
+                                          std::vector<std::string> launcher = {});
 
 /// Whether a path stands for a child behind a connection, "tcp:HOST:PORT".
 [[nodiscard]] bool isConnection(const std::filesystem::path& child);

@@ -36,8 +36,8 @@ std::pair<base::UniqueFd, base::UniqueFd> makePipe(const std::string& what) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::filesystem::path& program) {
-  const std::string name = program.string();
+ChildProcess::ChildProcess(std::vector<std::string> command) {
+  const std::string& name = command.front();
   auto [child_stdin, our_requests] = makePipe(name);
   auto [our_replies, child_stdout] = makePipe(name);
   auto [our_stderr, child_stderr] = makePipe(name);
@@ -45,14 +45,17 @@ ChildProcess::ChildProcess(const std::filesystem::path& program) {
   ::posix_spawn_file_actions_adddup2(&setup.actions, child_stdin.get(), STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&setup.actions, child_stdout.get(), STDOUT_FILENO);
   ::posix_spawn_file_actions_adddup2(&setup.actions, child_stderr.get(), STDERR_FILENO);
-  // The child starts with no signal blocked, whatever thread of the bench starts it.
+  // The child starts with no signal blocked, whatever thread of the bench starts it, and leads a group, so
+  // that what it starts ends with it.
   sigset_t none;
   ::sigemptyset(&none);
   ::posix_spawnattr_setsigmask(&setup.attributes, &none);
-  ::posix_spawnattr_setflags(&setup.attributes, POSIX_SPAWN_SETSIGMASK);
-  std::string argument = name;
-  char* const arguments[] = {argument.data(), nullptr};
-  const int error = ::posix_spawn(&pid_, name.c_str(), &setup.actions, &setup.attributes, arguments, environ);
+  ::posix_spawnattr_setflags(&setup.attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+  std::vector<char*> arguments;
+  for (std::string& word : command) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const int error =
+      ::posix_spawn(&pid_, name.c_str(), &setup.actions, &setup.attributes, arguments.data(), environ);
   if (error != 0) {
     pid_ = -1;
     throwErrno(error, name);
@@ -70,18 +73,22 @@ ChildProcess::~ChildProcess() {
 }
 
 void ChildProcess::kill() {
-  if (pid_ > 0) ::kill(pid_, SIGKILL);
+  if (pid_ > 0) ::kill(-pid_, SIGKILL);
+}
+
+// It is not reaped, so that its number still stands for its group.
+bool ChildProcess::hasEnded() const {
+  siginfo_t info{};
+  const int failed = ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT);
+  return failed == 0 ? info.si_pid == pid_ : errno != EINTR;
 }
 
 std::string ChildProcess::finish(std::chrono::milliseconds patience) {
   closeRequests();
   const auto deadline = Clock::now() + patience;
   while (pid_ > 0) {
-    const pid_t reaped = ::waitpid(pid_, &status_, WNOHANG);
-    if (reaped == pid_ || (reaped < 0 && errno != EINTR)) {
-      pid_ = -1;
-    } else if (Clock::now() >= deadline) {
-      kill();
+    if (hasEnded() || Clock::now() >= deadline) {
+      kill();  // And what it has left behind.
       while (::waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
       }
       pid_ = -1;

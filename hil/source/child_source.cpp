@@ -9,6 +9,7 @@
 #include "hil/base/digest.h"
 #include "hil/base/text.h"
 #include "hil/source/child_connection.h"
+#include "hil/source/confinement.h"
 #include "hil/source/open.h"
 #include "hil/source/pin_stream.h"
 
@@ -20,6 +21,9 @@ constexpr std::size_t kEventBytes = 16;
 constexpr std::size_t kLongestMessage = 1000;
 constexpr std::size_t kMaxUartBlock = 1U << 20U;
 constexpr std::chrono::milliseconds kFarewell{500};
+/// A UART behind USB at full speed sends so much at most; more is a flood, which would fill the memory.
+constexpr double kUartBytesPerS = 1.25e6;
+constexpr std::uint64_t kUartBurst = 1U << 20U;
 /// Most quanta that a child is asked for at once: their requests and answers fit into a pipe, and the turn
 /// from one process to the other, which takes longer than some of them run, is shared by many.
 constexpr std::size_t kMostAhead = 16;
@@ -139,10 +143,20 @@ ChildChannel::Clock::time_point in(double seconds) {
          std::chrono::duration_cast<ChildChannel::Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
+Confinement confinementFor(const ChildSourceOptions& options) {
+  if (!options.confined || isConnection(options.child)) return {};
+  std::vector<std::filesystem::path> readable{std::filesystem::absolute(options.image)};
+  if (!options.eeprom.empty() && options.eeprom != kBlankEeprom)
+    readable.push_back(std::filesystem::absolute(options.eeprom));
+  return confinementOf(std::filesystem::absolute(options.child), readable);
+}
+
 class ChildSource final : public SignalSource {
  public:
-  explicit ChildSource(const ChildSourceOptions& options)
-      : options_(options), child_(openChannel(options.child)) {
+  explicit ChildSource(const ChildSourceOptions& options) : options_(options) {
+    Confinement confinement = confinementFor(options);
+    info_.unconfined = std::move(confinement.open_because);
+    child_ = openChannel(options.child, std::move(confinement.launcher));
     open();
   }
 
@@ -165,6 +179,7 @@ class ChildSource final : public SignalSource {
     batch.watermark = batch.uart_received = watermark_;
     if (stop_ != Stop::kReached) return stop_;
     if (until <= watermark_) throw std::invalid_argument("advance() must go forward");
+    const auto begun = ChildChannel::Clock::now();
     const auto deadline = quantumDeadline();
     if (!ask(until, deadline)) return hung();
     asked_.pop_front();
@@ -179,6 +194,7 @@ class ChildSource final : public SignalSource {
       child_->kill();
       fail(Stop::kCrashed, std::string("the child broke the protocol: ") + fault.what());
     }
+    waited_s_ += std::chrono::duration<double>(ChildChannel::Clock::now() - begun).count();
     return stop_;
   }
 
@@ -276,7 +292,25 @@ class ChildSource final : public SignalSource {
     info_.process = child_->id();
   }
 
-  [[nodiscard]] ChildChannel::Clock::time_point quantumDeadline() const { return in(options_.hang_guard_s); }
+  [[nodiscard]] ChildChannel::Clock::time_point quantumDeadline() const {
+    const double patience_s = options_.patience_s + options_.patience_per_s * seconds(watermark_);
+    return in(std::clamp(patience_s - waited_s_, 0.0, options_.hang_guard_s));
+  }
+
+  [[nodiscard]] double seconds(Tick tick) const {
+    return info_.rate.den == 0 ? 0.0 : info_.rate.seconds(tick);
+  }
+
+  /// Stops a child whose UART sends more than any line could carry.
+  bool floodsUart(std::size_t bytes, Tick watermark) {
+    uart_bytes_ += bytes;
+    const double most = static_cast<double>(kUartBurst) + kUartBytesPerS * seconds(watermark);
+    if (static_cast<double>(uart_bytes_) <= most) return false;
+    child_->kill();
+    (void)child_->finish(kFarewell);
+    fail(Stop::kFlooded, "its UART has sent more than 1.25 MB a second");
+    return true;
+  }
 
   void readBatch(Tick until, Batch& batch, ChildChannel::Clock::time_point deadline) {
     std::uint8_t type = 0;
@@ -325,6 +359,10 @@ class ChildSource final : public SignalSource {
     batch.uart.assign(uart.begin(), uart.end());
     const auto text = reply.words();
     reply.finish();
+    if (floodsUart(uart.size(), watermark)) {
+      batch = {{}, {}, watermark_, watermark_};
+      return;
+    }
     batch.watermark = batch.uart_received = watermark_ = watermark;
     if (stop != Stop::kReached) {
       (void)child_->finish(kFarewell);
@@ -360,6 +398,8 @@ class ChildSource final : public SignalSource {
   Tick foreseen_{};
   Tick watermark_{};
   Tick last_drive_{};
+  std::uint64_t uart_bytes_{};  ///< All that its UART has sent.
+  double waited_s_{};           ///< Wall time for its answers, in all.
   Stop stop_{Stop::kReached};
   std::string message_;
 };

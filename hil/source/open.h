@@ -26,6 +26,10 @@ struct ChildSourceOptions {
   std::uint32_t baud{250'000};  ///< 0: nobody listens to its UART, and nothing is sent.
   std::uint64_t max_events_per_quantum{200'000};
   double hang_guard_s{20.0};  ///< Wall time for one quantum before the child is killed (kHung).
+  /// Wall time in all that the bench waits for its answers before it is killed (kHung): so much, and so much
+  /// for each second of simulated time.
+  double patience_s{600.0}, patience_per_s{600.0};
+  bool confined{};  ///< The child does not come with the bench: it runs in a Confinement.
 };
 /// @throws std::system_error if the child cannot be started, std::runtime_error if it refuses the image.
 std::unique_ptr<SignalSource> openChild(const ChildSourceOptions& options);

@@ -18,7 +18,9 @@ struct SourceInfo {
   bool deterministic{};
   bool accepts_input{};   ///< False for a recording: drive() and uartWrite() are ignored.
   std::string config_id;  ///< Emulator, version, shims, run limit, SHA-256 of the image: what a rerun needs.
-  pid_t process{};        ///< The process that runs the release, and waits between two advance(); 0: none.
+  /// Why the release sees files and network like any program of this user, a clause; empty: it does not.
+  std::string unconfined{};
+  pid_t process{};  ///< The process that runs the release, and waits between two advance(); 0: none.
 };
 
 /// Reason why advance() came back.
@@ -26,7 +28,7 @@ enum class Stop {
   kReached,   ///< The asked-for tick.
   kEnded,     ///< A recording is at its end, or the firmware has halted for good. Nothing will follow.
   kCrashed,   ///< The firmware or its emulator crashed; see message().
-  kFlooded,   ///< More events than `max_events` in one quantum.
+  kFlooded,   ///< More events or bytes in one quantum than were allowed.
   kMisheard,  ///< The firmware's UART does not run at the rate, or in the frame, that was asked for.
   kLost,      ///< Real pins can no longer be used: chip or serial line have gone, or the bench is too slow.
   kHung,      ///< The child did not answer within its wall-clock guard (a safety net, never a measurement).

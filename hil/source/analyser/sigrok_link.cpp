@@ -248,7 +248,7 @@ class LinkedAnalysers final : public AnalyserSystem {
 
 class ChildLink final : public ByteLink {
  public:
-  explicit ChildLink(const std::filesystem::path& program) : child_(program) {}
+  explicit ChildLink(const std::filesystem::path& program) : child_({program.string()}) {}
   Io write(std::span<const std::uint8_t> bytes, Clock::time_point deadline) override {
     return child_.write(bytes, deadline);
   }

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "hil/source/emulator/sandbox.h"
 #include "hil/source/emulator/wire.h"
 
 namespace kerfbench::emulator {
@@ -164,8 +165,8 @@ void serve(int in_fd, int out_fd, const Opener& open, const Describer& describe)
     replyText(replies, KB_PS_ERROR, fault.what());
     return;
   }
-#ifndef KERFBENCH_SANITIZED
-  limit(RLIMIT_NOFILE, 3);  // The image is read: no file or socket can be opened from here on.
+#ifndef KERFBENCH_SANITIZED  // The sanitizers need system calls of their own.
+  enterSandbox(in_fd, out_fd);
 #endif
   putHello(replies, *emulator);
   replies.send();

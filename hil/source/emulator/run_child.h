@@ -19,7 +19,8 @@ using Describer = std::function<std::string(const std::string& name)>;
 
 /// The main function of a child: serves the requests on file descriptor 0 until QUIT, with replies on 1.
 /// What a library prints to standard output goes to standard error. The image is not trusted: no privileges
-/// are gained, at most so much address space is taken, and no file is opened once it is loaded.
+/// are gained, at most so much address space is taken, and once it is loaded the process is confined
+/// (sandbox.h).
 /// @param program name of the program in messages. @param address_space_bytes 1 GiB; more for a library that
 /// sets more aside than it uses. @return exit code of the program.
 int runChild(std::string_view program, const Opener& open, const Describer& describe,

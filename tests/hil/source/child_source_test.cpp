@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 
 #include <cerrno>
@@ -11,6 +13,7 @@
 namespace kerfbench::source {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 ChildSourceOptions misbehaving(const std::string& how) {
@@ -66,6 +69,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"descending", Stop::kCrashed, "ascend"}, Case{"beyond", Stop::kCrashed, "ascend"},
                       Case{"contradiction", Stop::kCrashed, "contradict"},
                       Case{"back-at-once", Stop::kCrashed, "a pin changes twice at tick 8"},
+                      Case{"uart-flood", Stop::kFlooded, "more than 1.25 MB a second"},
+                      Case{"leaves-children", Stop::kHung, "did not answer"},
                       Case{"left-over", Stop::kCrashed, "left over"}));
 
 std::string openingFault(const ChildSourceOptions& options) {
@@ -98,6 +103,51 @@ TEST(ChildSource, ATalkativeChildNeitherBlocksNorOutlivesItsSource) {
     EXPECT_EQ(source->advance(100, batch), Stop::kReached) << source->message();
   }
   expectNoChildrenLeft();
+}
+
+TEST(ChildSource, WhatAChildHasStartedEndsWithIt) {
+  ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1), 0);
+  const auto source = openChild(misbehaving("leaves-children"));
+  const pid_t group = source->info().process;
+  Batch batch;
+  EXPECT_EQ(source->advance(100, batch), Stop::kHung);  // Its pipe is still open.
+  int status = 0;
+  ASSERT_GT(::waitpid(-group, &status, 0), 0);  // An orphan is the subreaper's.
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), SIGKILL);
+  (void)::prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+TEST(ChildSource, PatienceInAllEndsAsWell) {
+  auto options = misbehaving("hangs");
+  options.hang_guard_s = 1e6;
+  options.patience_s = 0.2;
+  const auto source = openChild(options);
+  Batch batch;
+  EXPECT_EQ(source->advance(100, batch), Stop::kHung);
+}
+
+std::string seenBy(const ChildSourceOptions& options, std::string* unconfined) {
+  const auto source = openChild(options);
+  *unconfined = source->info().unconfined;
+  Batch batch;
+  EXPECT_EQ(source->advance(100, batch), Stop::kCrashed);
+  return source->message();
+}
+
+TEST(ChildSource, AForeignChildSeesNothingOfTheComputer) {
+  auto options = misbehaving("looks-around");
+  options.hang_guard_s = 20;
+  std::string unconfined;
+  const std::string open = seenBy(options, &unconfined);
+  EXPECT_EQ(unconfined, "");  // Nobody has asked.
+  EXPECT_THAT(open,
+              AllOf(HasSubstr("reads accounts"), HasSubstr("has an environment"), HasSubstr("writes files"),
+                    HasSubstr("sees processes"), HasSubstr("reaches the bench")));
+  options.confined = true;
+  const std::string confined = seenBy(options, &unconfined);
+  if (!unconfined.empty()) GTEST_SKIP() << unconfined;
+  EXPECT_THAT(confined, HasSubstr("it said: has looked"));
 }
 
 TEST(ChildSource, UartForAHungChildDoesNotBlockTheBench) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A child that breaks the pin-stream protocol in the manner that the image's name states.
+#include <fcntl.h>
+#include <net/if.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -76,6 +79,27 @@ void tail() {
   send(KB_PS_BATCH);
 }
 
+/// Says on standard error what of the computer it can see or change.
+void lookAround() {
+  const auto say = [](bool is, const char* what) {
+    if (is) std::fprintf(stderr, "%s\n", what);
+  };
+  say(::open("/etc/passwd", O_RDONLY) >= 0, "reads accounts");
+  say(std::getenv("HOME") != nullptr, "has an environment");
+  say(::kill(::getppid(), 0) == 0 && ::getppid() > 1, "reaches the bench");
+  say(::access("/proc/1/stat", R_OK) == 0, "sees processes");
+  int devices = 0;
+  if (struct if_nameindex* const names = ::if_nameindex(); names != nullptr) {
+    for (const struct if_nameindex* name = names; name->if_index != 0; ++name) ++devices;
+    ::if_freenameindex(names);
+  }
+  say(devices > 1, "has a network");
+  const char* const file = KERFBENCH_SCRATCH "/escaped";
+  say(::open(file, O_CREAT | O_WRONLY, 0600) >= 0, "writes files");
+  ::unlink(file);
+  std::fprintf(stderr, "has looked\n");
+}
+
 }  // namespace
 
 int main() {
@@ -96,6 +120,23 @@ int main() {
     std::fprintf(stderr, "first words\nlast words\n");
     ::signal(SIGSEGV, SIG_DFL);  // A sanitizer may have its own handler.
     ::raise(SIGSEGV);
+  }
+  if (is("looks-around")) {
+    lookAround();
+    return 4;
+  }
+  if (is("leaves-children")) {
+    if (::fork() == 0) {
+      for (;;) ::pause();
+    }
+    return 5;
+  }
+  if (is("uart-flood")) {
+    head(KB_PS_REACHED, 100, 0);
+    put(std::uint32_t{2U << 20U});
+    payload.resize(payload.size() + (2U << 20U));
+    put(std::uint16_t{0});
+    send(KB_PS_BATCH);
   }
   if (is("hangs")) {
     for (;;) ::pause();
