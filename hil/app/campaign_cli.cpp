@@ -64,7 +64,7 @@ void addCampaign(CLI::App& app, const cli::CliProgram& program, cli::CliActions&
     if (!options->shard.empty() && (options->merge || options->slurm || options->submit || options->list))
       throw CLI::ExcludesError("--shard", "--merge, --list, --slurm, --submit");
   });
-  actions.add(command, options, campaignCommand);
+  actions.addStopping(command, [options] { return campaignCommand(*options); });
 }
 
 }  // namespace kerfbench::app

@@ -91,7 +91,7 @@ void addSuite(CLI::App& app, const cli::CliProgram& program, cli::CliActions& ac
   addChoiceOptions(*command, *words);
   addEarlierOptions(*command, *words);
   addRunOptions(*command, *words);
-  actions.add(command, [=] {
+  actions.addStopping(command, [=] {
     suite::SuiteOptions options = words->options;
     if (command->count("--resume") > 0) options.resume = words->resume;
     if (command->count("--failed") > 0) options.failed = words->failed;

@@ -29,6 +29,17 @@ std::filesystem::path folderOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
 }
 
+/// A file without a name, which is gone with its descriptor; invalid where the drive has no such files, or
+/// nothing could give it a name later.
+UniqueFd nameless(const std::filesystem::path& folder) {
+  if (::access("/proc/self/fd", X_OK) != 0) return {};
+  return UniqueFd(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600));
+}
+
+std::string hiddenBeside(const std::filesystem::path& path, const std::string& end) {
+  return (folderOf(path) / ("." + path.filename().string() + "." + end)).string();
+}
+
 void syncFolder(const std::filesystem::path& folder) {
   const UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // Some file systems refuse to sync a folder; the rename itself has already happened.
@@ -37,11 +48,14 @@ void syncFolder(const std::filesystem::path& folder) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path path)
-    : path_(std::move(path)),
-      temporary_((folderOf(path_) / ("." + path_.filename().string() + ".XXXXXX")).string()),
-      fd_(::mkostemp(temporary_.data(), O_CLOEXEC)) {
-  if (fd_.get() >= 0) return;
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), fd_(nameless(folderOf(path_))) {
+  if (fd_.valid()) return;
+  std::string name = hiddenBeside(path_, "XXXXXX");
+  fd_ = UniqueFd(::mkostemp(name.data(), O_CLOEXEC));
+  if (fd_.valid()) {
+    temporary_.emplace(name);
+    return;
+  }
   const int error = errno;
   if (!isTheFolder(error)) fail("cannot create a file beside", path_);
   throw FolderError(
@@ -49,9 +63,7 @@ AtomicFile::AtomicFile(std::filesystem::path path)
       path_.string() + " cannot be written: its folder " + folderOf(path_).string() + " cannot be used");
 }
 
-AtomicFile::~AtomicFile() {
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
-}
+AtomicFile::~AtomicFile() = default;
 
 void AtomicFile::write(std::string_view content) {
   while (!content.empty()) {
@@ -62,10 +74,25 @@ void AtomicFile::write(std::string_view content) {
   }
 }
 
+/// A nameless file cannot take the place of another one: it gets a name beside it first.
+void AtomicFile::giveName() {
+  const std::string own = "/proc/self/fd/" + std::to_string(fd_.get());
+  const std::string process = std::to_string(::getpid()) + "-";
+  for (unsigned n = 0;; ++n) {
+    temporary_.emplace(hiddenBeside(path_, process + std::to_string(fd_.get()) + "-" + std::to_string(n)));
+    if (::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, temporary_->path().c_str(), AT_SYMLINK_FOLLOW) == 0) return;
+    const int error = errno;
+    temporary_->becomes({});  // It is somebody else's.
+    errno = error;
+    if (error != EEXIST) fail("cannot name the file beside", path_);
+  }
+}
+
 void AtomicFile::commit() {
   if (::fchmod(fd_.get(), 0644) != 0 || ::fsync(fd_.get()) != 0) fail("cannot sync", path_);
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot rename to", path_);
-  temporary_.clear();
+  if (!temporary_) giveName();
+  if (::rename(temporary_->path().c_str(), path_.c_str()) != 0) fail("cannot rename to", path_);
+  temporary_->becomes({});
   syncFolder(folderOf(path_));
 }
 

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <optional>
 #include <string_view>
 #include <system_error>
 
+#include "hil/base/temporary.h"
 #include "hil/base/unique_fd.h"
 
 namespace kerfbench::base {
@@ -16,8 +17,9 @@ struct FolderError : std::system_error {
   using std::system_error::system_error;
 };
 
-/// A file that is written in pieces, and is there whole or not at all: a temporary next to it; commit() does
-/// fsync, rename, fsync of the folder. Without commit() nothing is left.
+/// A file that is written in pieces, and is there whole or not at all: a nameless one in its folder, or where
+/// the drive has no such files a temporary next to it; commit() does fsync, rename, fsync of the folder.
+/// Without commit() nothing is left, however the process ends.
 class AtomicFile {
  public:
   /// @throws FolderError, or std::system_error with the path, as the others.
@@ -30,8 +32,10 @@ class AtomicFile {
   void commit();
 
  private:
+  void giveName();
+
   std::filesystem::path path_;
-  std::string temporary_;  ///< Empty after commit().
+  std::optional<TemporaryPath> temporary_;  ///< Name of the temporary; empty: it has none yet.
   UniqueFd fd_;
 };
 

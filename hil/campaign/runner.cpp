@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/campaign/runner.h"
 
-#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is no part of <cstdlib>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <map>
 #include <system_error>
 #include <utility>
@@ -16,6 +14,7 @@
 #include "hil/base/exit_codes.h"
 #include "hil/base/file_content.h"
 #include "hil/base/input_error.h"
+#include "hil/base/temporary.h"
 #include "hil/base/text.h"
 #include "hil/batch/job_folder.h"
 #include "hil/batch/run_jobs.h"
@@ -30,29 +29,11 @@ namespace fs = std::filesystem;
 
 constexpr std::array kVerdictCodes{0, 1, 3, 4};
 
-/// A folder for the runs of this process, which no other process uses; removed with all that is in it.
-class WorkFolder {
- public:
-  explicit WorkFolder(const fs::path& parent) {
-    fs::create_directories(parent);
-    std::array<char, 256> host{};
-    if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
-    std::string name = (parent / fmt::format("{}-XXXXXX", host.data())).string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw std::system_error(errno, std::generic_category(), "cannot make a folder in " + parent.string());
-    path_ = name;
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+std::string hostName() {
+  std::array<char, 256> host{};
+  if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
+  return host.data();
+}
 
 /// What one try of a run came to: a record, or why there is none.
 struct Try {
@@ -71,7 +52,7 @@ class Shard {
     std::vector<std::size_t> wanted = wantedRuns();
     if (wanted.empty()) return std::move(end_);
     fs::create_directories(prepared_.scenarios());
-    const WorkFolder work(prepared_.folder / "runs");
+    const base::TemporaryFolder work(prepared_.folder / "runs", hostName());
     const batch::FolderLock lock(work.path());
     runOnce(lock, wanted, "first");
     if (end_.signal || broken_.empty()) return std::move(end_);

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "hil/cli/end_on_signal.h"
+
 namespace kerfbench::cli {
 
 /// What a program knows of itself.
@@ -23,8 +25,15 @@ struct CliProgram {
 /// What is to be done for each command.
 class CliActions {
  public:
-  /// `command` must outlive this.
+  /// `command` must outlive this. A signal ends it, see EndOnSignal.
   void add(const CLI::App* command, std::function<int()> action) {
+    addStopping(command, [action = std::move(action)] {
+      const EndOnSignal end;
+      return action();
+    });
+  }
+  /// For a command that stops by itself when a signal comes.
+  void addStopping(const CLI::App* command, std::function<int()> action) {
     actions_.emplace_back(command, std::move(action));
   }
   /// For a command whose options `action` takes.

@@ -2,8 +2,7 @@
 #include "hil/judge/results_folder.h"
 
 #include <fcntl.h>
-#include <stdio.h>   // NOLINT(modernize-deprecated-headers): renameat2 is no part of <cstdio>
-#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is no part of <cstdlib>
+#include <stdio.h>  // NOLINT(modernize-deprecated-headers): renameat2 is no part of <cstdio>
 
 #include <cerrno>
 #include <system_error>
@@ -35,31 +34,19 @@ void refuseForeignResults(const fs::path& parent, const std::string& name) {
 }
 
 ResultsFolder::ResultsFolder(const fs::path& parent, const std::string& name)
-    : place_(fs::absolute(parent) / name) {
-  fs::create_directories(place_.parent_path());
-  std::string pattern = (place_.parent_path() / ("." + name + ".XXXXXX")).string();
-  if (::mkdtemp(pattern.data()) == nullptr) {
-    throw std::system_error(errno, std::generic_category(),
-                            "cannot make a folder in " + place_.parent_path().string());
-  }
-  staging_ = pattern;
-  fs::permissions(staging_, fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec |
-                                fs::perms::others_read | fs::perms::others_exec);
-}
-
-ResultsFolder::~ResultsFolder() {
-  std::error_code ignored;
-  if (!staging_.empty()) fs::remove_all(staging_, ignored);
+    : place_(fs::absolute(parent) / name), staging_(place_.parent_path(), "." + name) {
+  fs::permissions(staging(), fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec |
+                                 fs::perms::others_read | fs::perms::others_exec);
 }
 
 void ResultsFolder::commit() {
-  writeResultsList(staging_);
+  writeResultsList(staging());
   refuseForeign(place_);
   if (renamed(place_, RENAME_NOREPLACE)) {
-    staging_.clear();
+    staging_.becomes({});
     return;
   }
-  // Something is there: exchange the two in one step, then the destructor removes the old one.
+  // Something is there: exchange the two in one step, then the old one is removed with the temporary name.
   if (errno == EEXIST && renamed(place_, RENAME_EXCHANGE)) return;
   if (errno != EINVAL)
     throw std::system_error(errno, std::generic_category(), "cannot put the results to " + place_.string());
@@ -67,39 +54,39 @@ void ResultsFolder::commit() {
 }
 
 void ResultsFolder::commitTo(const fs::path& place) {
-  writeResultsList(staging_);
+  writeResultsList(staging());
   if (!renamed(place, RENAME_NOREPLACE)) {
     if (errno != EINVAL)
       throw std::system_error(errno, std::generic_category(), "cannot put the results to " + place.string());
     // Drives of a network that know no such flag.
     if (fs::exists(fs::symlink_status(place)))
       throw std::system_error(EEXIST, std::generic_category(), "cannot put the results to " + place.string());
-    fs::rename(staging_, place);
+    fs::rename(staging(), place);
   }
   place_ = place;
-  staging_.clear();
+  staging_.becomes({});
 }
 
 bool ResultsFolder::renamed(const fs::path& place, unsigned flags) const {
-  return ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, place.c_str(), flags) == 0;
+  return ::renameat2(AT_FDCWD, staging().c_str(), AT_FDCWD, place.c_str(), flags) == 0;
 }
 
 /// Many drives of a network can neither exchange two names nor leave one that is taken alone. For a moment
 /// there is nothing in the place, never a half.
 void ResultsFolder::commitInSteps() {
-  const fs::path old = staging_.string() + ".old";
+  const fs::path old = staging().string() + ".old";
   std::error_code error;
   fs::rename(place_, old, error);
   const bool there = !error;
   if (error && error != std::errc::no_such_file_or_directory)
     throw std::system_error(error, "cannot put the results to " + place_.string());
-  fs::rename(staging_, place_, error);
+  fs::rename(staging(), place_, error);
   if (error) {
     std::error_code ignored;
     if (there) fs::rename(old, place_, ignored);
     throw std::system_error(error, "cannot put the results to " + place_.string());
   }
-  staging_ = there ? old : fs::path();  // The destructor removes it.
+  staging_.becomes(there ? old : fs::path());
 }
 
 }  // namespace kerfbench::judge

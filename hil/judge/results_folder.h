@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "hil/base/temporary.h"
+
 namespace kerfbench::judge {
 
 /// Refuses a place that holds what no run wrote, before anything runs: a later commit() would delete it.
@@ -17,12 +19,9 @@ class ResultsFolder {
  public:
   /// @throws std::system_error if `parent` cannot be made or written.
   ResultsFolder(const std::filesystem::path& parent, const std::string& name);
-  ~ResultsFolder();
-  ResultsFolder(const ResultsFolder&) = delete;
-  ResultsFolder& operator=(const ResultsFolder&) = delete;
 
   /// Where to write.
-  [[nodiscard]] const std::filesystem::path& staging() const { return staging_; }
+  [[nodiscard]] const std::filesystem::path& staging() const { return staging_.path(); }
   /// Where it will be.
   [[nodiscard]] const std::filesystem::path& place() const { return place_; }
   /// Adds kResultsList and puts the folder in its place; an older one there is replaced in one step, or on
@@ -38,7 +37,7 @@ class ResultsFolder {
   void commitInSteps();
 
   std::filesystem::path place_;
-  std::filesystem::path staging_;
+  base::TemporaryFolder staging_;
 };
 
 }  // namespace kerfbench::judge

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <spawn.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <sstream>
@@ -20,32 +20,12 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/file_content.h"
 #include "hil/base/spawn_setup.h"
+#include "hil/base/temporary.h"
 
 namespace kerfbench::scene {
 namespace {
 
 namespace fs = std::filesystem;
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name =
-        (fs::temp_directory_path() / ("kerfbench-picture-" + std::to_string(::getpid()) + "-XXXXXX"))
-            .string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::system_error(errno, std::generic_category(), name);
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 bool executable(const fs::path& path) {
   std::error_code ignored;
@@ -101,13 +81,9 @@ pid_t spawnIn(const fs::path& folder, const fs::path& program) {
   ::posix_spawn_file_actions_addopen(&setup.actions, STDERR_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
                                      0600);
   ::posix_spawn_file_actions_addchdir_np(&setup.actions, folder.c_str());
-  sigset_t none;
-  ::sigemptyset(&none);
-  ::posix_spawnattr_setsigmask(&setup.attributes, &none);
-  ::posix_spawnattr_setflags(&setup.attributes, POSIX_SPAWN_SETSIGMASK);
-  std::string name = program.string();
-  std::string ini = "picture.ini";
-  char* const arguments[] = {name.data(), ini.data(), nullptr};
+  setup.setSignals(false);
+  std::vector<std::string> command = base::endingWithParent({program.string(), "picture.ini"});
+  const std::vector<char*> arguments = base::pointersTo(command);
   // A home of its own: the user's settings stay out, and so does the complaint that there are none. POVINI
   // takes the place of the host's settings.
   std::string home = "HOME=" + folder.string();
@@ -115,9 +91,9 @@ pid_t spawnIn(const fs::path& folder, const fs::path& program) {
   std::string locale = "LC_ALL=C";
   char* const environment[] = {home.data(), settings.data(), locale.data(), nullptr};
   pid_t pid = -1;
-  const int error =
-      ::posix_spawn(&pid, name.c_str(), &setup.actions, &setup.attributes, arguments, environment);
-  if (error != 0) throw std::system_error(error, std::generic_category(), name);
+  const int error = ::posix_spawn(&pid, arguments.front(), &setup.actions, &setup.attributes,
+                                  arguments.data(), environment);
+  if (error != 0) throw std::system_error(error, std::generic_category(), program.string());
   return pid;
 }
 
@@ -156,7 +132,7 @@ std::vector<std::uint8_t> runPovray(const std::string& scene, const PovrayOption
         fmt::format("pictures need POV-Ray, and there is no program {}: install it (apt-get install povray)",
                     options.program.string()));
   }
-  const TemporaryFolder folder;
+  const base::TemporaryFolder folder(fs::temp_directory_path(), "kerfbench-picture");
   base::writeFileAtomically(folder.path() / "scene.pov", scene);
   base::writeFileAtomically(folder.path() / "picture.ini", iniText(options));
   const auto status = waitFor(spawnIn(folder.path(), *program), options.patience_s);

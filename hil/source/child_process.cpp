@@ -45,15 +45,9 @@ ChildProcess::ChildProcess(std::vector<std::string> command) {
   ::posix_spawn_file_actions_adddup2(&setup.actions, child_stdin.get(), STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&setup.actions, child_stdout.get(), STDOUT_FILENO);
   ::posix_spawn_file_actions_adddup2(&setup.actions, child_stderr.get(), STDERR_FILENO);
-  // The child starts with no signal blocked, whatever thread of the bench starts it, and leads a group, so
-  // that what it starts ends with it.
-  sigset_t none;
-  ::sigemptyset(&none);
-  ::posix_spawnattr_setsigmask(&setup.attributes, &none);
-  ::posix_spawnattr_setflags(&setup.attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
-  std::vector<char*> arguments;
-  for (std::string& word : command) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  // What the child starts ends with it.
+  setup.setSignals(true);
+  const std::vector<char*> arguments = base::pointersTo(command);
   const int error =
       ::posix_spawn(&pid_, name.c_str(), &setup.actions, &setup.attributes, arguments.data(), environ);
   if (error != 0) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -144,7 +146,9 @@ ChildChannel::Clock::time_point in(double seconds) {
 }
 
 Confinement confinementFor(const ChildSourceOptions& options) {
-  if (!options.confined || isConnection(options.child)) return {};
+  // A program that is not there is better told by its own name.
+  const bool runs = ::access(options.child.c_str(), X_OK) == 0;
+  if (!options.confined || isConnection(options.child) || !runs) return {};
   std::vector<std::filesystem::path> readable{std::filesystem::absolute(options.image)};
   if (!options.eeprom.empty() && options.eeprom != kBlankEeprom)
     readable.push_back(std::filesystem::absolute(options.eeprom));

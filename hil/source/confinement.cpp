@@ -44,9 +44,8 @@ int quietly(std::vector<std::string> command) {
   ::posix_spawn_file_actions_addopen(&setup.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_addopen(&setup.actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   ::posix_spawn_file_actions_addopen(&setup.actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  std::vector<char*> arguments;
-  for (std::string& word : command) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  setup.setSignals(false);
+  const std::vector<char*> arguments = base::pointersTo(command);
   pid_t pid = -1;
   if (::posix_spawn(&pid, command.front().c_str(), &setup.actions, &setup.attributes, arguments.data(),
                     environ) != 0)
@@ -82,7 +81,10 @@ Confinement confinementOf(const fs::path& program, const std::vector<fs::path>& 
   if (::access(kPrlimit, X_OK) == 0) {
     words = {kPrlimit, "--as=" + std::to_string(kConfinedAddressSpace_bytes), "--core=0", "--"};
   }
-  if (!confinement.open_because.empty()) return confinement;
+  if (!confinement.open_because.empty()) {
+    words = base::endingWithParent(std::move(words));
+    return confinement;
+  }
   for (std::string& word : emptyRoom()) words.push_back(std::move(word));
   bindReadable(words, program.parent_path());
   for (const fs::path& file : readable) bindReadable(words, file);

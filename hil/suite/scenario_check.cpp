@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/suite/scenario_check.h"
 
-#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is no part of <cstdlib>
-
-#include <cerrno>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -14,6 +11,7 @@
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
+#include "hil/base/temporary.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/dieline/read.h"
 #include "hil/run/controller_fit.h"
@@ -24,27 +22,6 @@ namespace kerfbench::suite {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder for a file that is read once.
-class PassingFolder {
- public:
-  PassingFolder() {
-    std::string pattern = (fs::temp_directory_path() / "kerfbench-suite.XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr)
-      throw std::system_error(errno, std::generic_category(), "cannot make a folder like " + pattern);
-    path_ = pattern;
-  }
-  ~PassingFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  PassingFolder(const PassingFolder&) = delete;
-  PassingFolder& operator=(const PassingFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// A text that YAML reads as it is: JSON's strings are a part of YAML.
 std::string yamlText(const std::string& text) {
@@ -103,7 +80,7 @@ const ScenarioAnswer& ScenarioChecks::check(const fs::path& scenario, const fs::
 ScenarioAnswer ScenarioChecks::answerTo(const fs::path& scenario, const fs::path& image,
                                         const std::string& limited) {
   using Fault = ScenarioAnswer::Fault;
-  const PassingFolder folder;
+  const base::TemporaryFolder folder(fs::temp_directory_path(), "kerfbench-suite");
   fs::path file = scenario;
   if (!limited.empty()) {
     file = folder.path() / "limited.yaml";

@@ -57,20 +57,14 @@ class ChildGroup {
     ::posix_spawn_file_actions_addopen(&setup.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     ::posix_spawn_file_actions_adddup2(&setup.actions, output, STDOUT_FILENO);
     ::posix_spawn_file_actions_adddup2(&setup.actions, errors, STDERR_FILENO);
-    sigset_t none;
-    ::sigemptyset(&none);
-    ::posix_spawnattr_setsigmask(&setup.attributes, &none);
-    ::posix_spawnattr_setpgroup(&setup.attributes, 0);
-    ::posix_spawnattr_setflags(&setup.attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+    setup.setSignals(true);
     std::vector<std::string> words = command;
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
+    const std::vector<char*> arguments = base::pointersTo(words);
     // Nothing of the user's settings: the answer depends on the drawing alone.
     std::array<std::string, 3> values{"PATH=/usr/bin:/bin", "LC_ALL=C.UTF-8", "HOME=/nonexistent"};
     std::array<char*, 4> environment{values[0].data(), values[1].data(), values[2].data(), nullptr};
-    error_ = ::posix_spawn(&pid_, command.front().c_str(), &setup.actions, &setup.attributes,
-                           arguments.data(), environment.data());
+    error_ = ::posix_spawn(&pid_, arguments.front(), &setup.actions, &setup.attributes, arguments.data(),
+                           environment.data());
     if (error_ != 0) pid_ = -1;
   }
   ~ChildGroup() {

@@ -57,6 +57,7 @@ PAGES = {
                     "hil/dieline hil/inspect hil/judge hil/vision tests/others/cartons.py tests/others/cartons.toml"),
     "papers": Page("docs/reference/papers.md", "./bench papers",
                    "firmware_under_test/planner tests/papers tests/papers/rows.toml"),
+    "ends": Page("tests/ends/RESULTS.md", "./bench ends", "hil/base hil/cli hil/judge hil/scene hil/source tests/ends"),
     "campaigns": Page("tests/campaigns/RESULTS.md", "./bench campaign-proof", "hil/batch hil/campaign tests/campaigns"),
     "mutate": Page("tests/mutation/RESULTS.md", "./bench mutate",
                    "hil/inspect hil/vision tests/hil/inspect tests/hil/vision tests/mutation/mutants.toml"),
