@@ -21,14 +21,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Every page of the project. Build folders and what begins with a dot are not part of it.
+/// Every page of the project. Build folders, packages of others and what begins with a dot are not part of
+/// it.
 std::vector<fs::path> pages() {
   std::vector<fs::path> found;
   for (auto entry = fs::recursive_directory_iterator(sourceRoot());
        entry != fs::recursive_directory_iterator(); ++entry) {
     const std::string name = entry->path().filename().string();
     const bool is_outside = entry.depth() == 0 && (name == "build" || name == "results");
-    if (entry->is_directory() && (is_outside || name.starts_with("."))) {
+    if (entry->is_directory() && (is_outside || name == "node_modules" || name.starts_with("."))) {
       entry.disable_recursion_pending();
     } else if (entry->is_regular_file() && entry->path().extension() == ".md") {
       found.push_back(entry->path());
