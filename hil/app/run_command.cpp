@@ -54,7 +54,7 @@ constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on
 
 int replayOne(const Replay& replay, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
-  base::Console console(options.quiet);
+  base::Console console(options.quiet, options.events);
   scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options, console);
   const fs::path& recording = replay.recording;
   judge::refuseBlockedRuns(options.results_dir, test_case.scenario.name + "-replay", options.output);
@@ -83,11 +83,12 @@ int replayOne(const Replay& replay, const judge::RunOptions& options) {
 
 int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
-  base::Console console(options.quiet);
+  base::Console console(options.quiet, options.events);
   scenario::Case test_case = caseWithOptions(path, image, options, console);
   const scenario::Scenario& scenario = test_case.scenario;
   judge::refuseBlockedRuns(options.results_dir, scenario.name, options.output);
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
+  console.event("scenario", {{"name", scenario.name}, {"title", scenario.title}});
   live::refuseKerfPictures(test_case);
   if (const auto code = refusedByWitness(test_case, scenario.name, options, stopwatch, console)) return *code;
   if (scenario.firmware.onRealPins())
@@ -97,6 +98,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
   run::PreparedJob job = run::prepareJob(test_case);
   console.say("  " + job.summary);
+  console.expect(job.expected_s);
   stopwatch.lap("reading and planning");
 
   const auto source = run::openRelease(scenario.firmware, options.bin_dir);

@@ -4,11 +4,31 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <utility>
 
 namespace kerfbench::base {
 
-Console::Console(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
+namespace {
+
+/// Those who watch a run need no more than a few words a second.
+constexpr std::chrono::milliseconds kBetweenTold{100};
+
+/// Bytes of text in which an amount changes and the rest stays.
+std::string withoutDigits(const std::string& text) {
+  std::string rest;
+  for (const char c : text)
+    if (c < '0' || c > '9') rest += c;
+  return rest;
+}
+
+}  // namespace
+
+Console::Console(bool quiet, const std::filesystem::path& events)
+    : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {
+  if (!events.empty()) events_ = std::make_unique<EventLog>(events);
+}
 
 Console::~Console() { endProgress(); }
 
@@ -23,11 +43,31 @@ void Console::result(const std::string& line) {
 }
 
 void Console::progress(double now_s, const std::string& what) {
+  if (events_) tellProgress(now_s, what);
   if (quiet_ || !terminal_) return;
   const std::string text = now_s < 0 ? what : fmt::format("{:7.2f} s  {}", now_s, what);
   std::fputs(fmt::format("\r\033[K  {:.90}", text).c_str(), stderr);
   std::fflush(stderr);
   progress_shown_ = true;
+}
+
+void Console::tellProgress(double now_s, const std::string& what) {
+  const auto now = std::chrono::steady_clock::now();
+  std::string kind = withoutDigits(what);
+  if (kind == told_what_ && now < next_told_) return;
+  told_what_ = std::move(kind);
+  next_told_ = now + kBetweenTold;
+  if (now_s < 0.0)
+    events_->tell("progress", {{"what", what}});
+  else if (expected_s_ > 0.0)
+    events_->tell("progress",
+                  {{"now_s", now_s}, {"share", std::min(now_s / expected_s_, 1.0)}, {"what", what}});
+  else
+    events_->tell("progress", {{"now_s", now_s}, {"what", what}});
+}
+
+void Console::event(std::string_view name, std::initializer_list<EventField> fields) {
+  if (events_) events_->tell(name, fields);
 }
 
 void Console::endProgress() {

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
 #include <string>
+#include <string_view>
 
+#include "hil/base/event_log.h"
 #include "hil/base/progress.h"
 
 namespace kerfbench::base {
 
-/// Progress of a run for the user: one line that is rewritten on a terminal, nothing of it in a log.
+/// Progress of a run for the user: one line that is rewritten on a terminal, nothing of it in a log. Programs
+/// that watch the run are told by events, if a file for them is given, quiet or not.
 class Console {
  public:
-  explicit Console(bool quiet);
+  /// @throws std::system_error if `events` is given and cannot be written.
+  explicit Console(bool quiet, const std::filesystem::path& events = {});
   ~Console();
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -23,11 +31,23 @@ class Console {
   void progress(double now_s, const std::string& what);
   /// Takes the line of progress away, before something else is written to standard error.
   void endProgress();
+  /// About how much virtual time the work will take, so that events tell the share that is done; 0: unknown.
+  void expect(double total_s) { expected_s_ = total_s; }
+  /// Tells those who watch, if anybody does.
+  void event(std::string_view name, std::initializer_list<EventField> fields);
+  /// Null: nobody watches. It lives as long as this.
+  [[nodiscard]] EventLog* events() const { return events_.get(); }
 
  private:
+  void tellProgress(double now_s, const std::string& what);
+
   bool quiet_;
   bool terminal_;
   bool progress_shown_{false};
+  std::unique_ptr<EventLog> events_;
+  double expected_s_{};
+  std::string told_what_;
+  std::chrono::steady_clock::time_point next_told_{};
 };
 
 /// Callback that shows progress on the console, which must outlive it.

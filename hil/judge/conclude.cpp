@@ -103,12 +103,15 @@ void tellVerdict(const report::RunReport& report, base::Console& console) {
   const std::string but = report::reservationsLine(report);
   console.result(fmt::format("{}: {}{}", report.scenario, inspect::verdictName(report.result.verdict),
                              but.empty() ? "" : " (" + but + ")"));
+  console.event("verdict", {{"verdict", std::string(inspect::verdictName(report.result.verdict))},
+                            {"exit_code", std::int64_t{inspect::exitCode(report.result.verdict)}}});
 }
 
 void tellReport(const report::Digests& digests, const std::filesystem::path& folder, base::Console& console) {
   console.say(fmt::format("report: {}", (folder / "report.html").string()));
   console.say(fmt::format("digest: {}", digests.results));
   console.say(fmt::format("inputs: {}", digests.inputs));
+  console.event("results", {{"folder", folder.string()}, {"digest", digests.results}});
 }
 
 void tellTiming(const base::Stopwatch& stopwatch, double virtual_s, base::Console& console) {

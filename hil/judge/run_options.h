@@ -11,6 +11,7 @@ namespace kerfbench::judge {
 /// What all commands that judge have in common.
 struct RunOptions {
   std::filesystem::path results_dir{"results"};
+  std::filesystem::path events;        ///< File for base::EventLog; empty: nobody watches.
   std::filesystem::path output;        ///< The folder for the results itself; empty: one below results_dir.
   std::optional<std::uint64_t> seed;   ///< Instead of the scenario's.
   std::optional<double> time_limit_s;  ///< Virtual; instead of the scenario's.

@@ -107,6 +107,7 @@ int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge
   const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
   run::PreparedJob job = run::prepareJob(test_case);
   console.say("  " + job.summary);
+  console.expect(job.expected_s);
   stopwatch.lap("reading and planning");
   judge::Conclusion conclusion;
   conclusion.folder_name = test_case.scenario.name;

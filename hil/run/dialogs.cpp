@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -86,6 +87,17 @@ void cutOff(planner::Program& program, double share, int axis) {
   throw planner::PlanError("provoke.host_starves_after_share: no lit move across the belt after it");
 }
 
+// Units follow each other as the belt brings them or as the head can take them, whichever is slower.
+double expectedTime_s(const scenario::Scenario& scenario, const planner::JobParameters& job,
+                      const planner::Plan& plan) {
+  const double belt_mm_s = scenario.belt_speed_mm_s;
+  const double arrival_s = belt_mm_s > 0.0 ? (plan.x_ref_mm - job.web_start_x_mm) / belt_mm_s : 0.0;
+  const double spacing_s = belt_mm_s > 0.0 ? scenario.print.pitch_mm / belt_mm_s : 0.0;
+  const int more = std::max(scenario.print.units - 1, 0);
+  return std::max(arrival_s, 0.0) + static_cast<double>(more) * std::max(spacing_s, plan.cycle_time_s) +
+         plan.unit_time_s;
+}
+
 std::vector<AxisPulses> pulsesOf(const planner::Program& program) {
   constexpr std::array<Signal, KB_AXES> kPuls{Signal::kGalvoXPul, Signal::kGalvoYPul, Signal::kGantryXPul,
                                               Signal::kGantryYPul, Signal::kFeedPul};
@@ -138,6 +150,7 @@ PreparedJob prepareJob(const scenario::Case& test_case) {
       "{} unit{}, {:.0f} mm of marks and {:.0f} mm of jumps in {:.2f} s each; belt {} mm/s, at most {:.1f}",
       test_case.scenario.print.units, test_case.scenario.print.units == 1 ? "" : "s", plan.cut_length_mm,
       plan.jump_length_mm, plan.unit_time_s, test_case.scenario.belt_speed_mm_s, plan.max_belt_speed_mm_s);
+  job.expected_s = expectedTime_s(test_case.scenario, parameters, plan);
   job.controller = planner::describe(machine.target);
   job.gcode = std::move(plan.gcode);
   job.target = machine.target;

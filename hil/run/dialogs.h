@@ -24,6 +24,7 @@ struct PreparedJob {
   std::unique_ptr<Dialog> dialog;
   std::string summary;  ///< One line.
   std::string gcode;    ///< For the results folder.
+  double expected_s{};  ///< About how long the machine takes by the plan, for people; 0: nobody knows.
   /// What the image says of itself; empty if it is not the reference controller's.
   std::string controller{};
   planner::Target target;   ///< Controller for which the job was planned.
