@@ -13,9 +13,9 @@
 #include "hil/app/cli.h"
 #include "hil/app/diagnose_command.h"
 #include "hil/app/fold_command.h"
-#include "hil/app/instrument_program.h"
 #include "hil/app/lint_command.h"
 #include "hil/app/motion_command.h"
+#include "hil/app/other_program.h"
 #include "hil/app/run_command.h"
 #include "hil/app/verify_command.h"
 #include "hil/base/exit_codes.h"
@@ -66,6 +66,8 @@ void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command.add_flag("--quiet,-q", options.quiet, "Only the verdict");
+  command.add_option("--events", options.events,
+                     "File to which a line of JSON is appended for each event of the run, as it happens");
   command.add_flag("--timing", options.timing, "Say where the time went");
   command.add_flag("--keep-evidence", options.keep_evidence,
                    "Keep what the diagnosis goes by, for kerfbench diagnose");
@@ -214,12 +216,13 @@ void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(lint, [=] { return lintCommand(*files, *image, *drawings, *options); });
 }
 
-/// Commands of kerfbench-instrument: only their names are here.
-void addInstrument(CLI::App& app, const CliProgram& program) {
-  for (const CommandText& text : kInstrumentCommands) {
-    CLI::App* command = app.add_subcommand(text.name, text.help);
-    command->preparse_callback(
-        [program, name = text.name](std::size_t) { becomeInstrument(program.bin_dir, name, program.argv); });
+/// Commands of other programs: only their names are here.
+void addHandedOver(CLI::App& app, const CliProgram& program) {
+  for (const HandedOver& each : kHandedOver) {
+    CLI::App* command = app.add_subcommand(each.text.name, each.text.help);
+    command->preparse_callback([program, each](std::size_t) {
+      becomeProgram(program.bin_dir / each.program, each.text.name, program.argv);
+    });
   }
 }
 
@@ -239,7 +242,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
   addLint(app, program, actions);
   addDoctor(app, program, actions);
   addShow(app, program, actions);
-  addInstrument(app, program);
+  addHandedOver(app, program);
 }
 
 }  // namespace
@@ -248,7 +251,7 @@ int main(int argc, char** argv) {
   return guardedMain([argc, argv] {
     try {
       return dispatch(argc, argv, addCommands);
-    } catch (const InstrumentMissing& e) {
+    } catch (const ProgramMissing& e) {
       std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
       return base::kExitBroken;
     }

@@ -32,6 +32,7 @@ base::UniqueFd above(int fd, const std::string& what) {
 /// What the child does between fork and exec: calls that are safe there, and nothing else.
 struct ChildStart {
   std::vector<char*> arguments;
+  const char* folder;
   int input, log, failure;
   pid_t parent;
 
@@ -43,7 +44,7 @@ struct ChildStart {
     ::sigemptyset(&none);
     (void)::sigprocmask(SIG_SETMASK, &none, nullptr);
     if (::dup2(input, STDIN_FILENO) >= 0 && ::dup2(log, STDOUT_FILENO) >= 0 &&
-        ::dup2(log, STDERR_FILENO) >= 0)
+        ::dup2(log, STDERR_FILENO) >= 0 && (*folder == '\0' || ::chdir(folder) == 0))
       ::execv(arguments.front(), arguments.data());
     const int error = errno;
     (void)!::write(failure, &error, sizeof error);
@@ -72,7 +73,8 @@ int statusOf(pid_t pid) {
 
 }  // namespace
 
-JobProcess::JobProcess(const std::vector<std::string>& command, const std::filesystem::path& log) {
+JobProcess::JobProcess(const std::vector<std::string>& command, const std::filesystem::path& log,
+                       const std::filesystem::path& folder) {
   if (command.empty()) throw std::system_error(EINVAL, std::generic_category(), "a job without a command");
   const std::string& name = command.front();
   const base::UniqueFd output = above(::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644),
@@ -83,7 +85,7 @@ JobProcess::JobProcess(const std::vector<std::string>& command, const std::files
   const base::UniqueFd reading(ends[0]);
   base::UniqueFd writing = above(ends[1], "cannot make a pipe");
   std::vector<std::string> words = command;
-  ChildStart child{{}, input.get(), output.get(), writing.get(), ::getpid()};
+  ChildStart child{{}, folder.c_str(), input.get(), output.get(), writing.get(), ::getpid()};
   for (std::string& word : words) child.arguments.push_back(word.data());
   child.arguments.push_back(nullptr);
   pid_ = ::fork();

@@ -18,9 +18,11 @@ namespace kerfbench::batch {
 /// whole group. To be used by one thread.
 class JobProcess {
  public:
-  /// @throws std::system_error if the log or a process cannot be made. A program that cannot be started is no
-  /// such failure: finish() says so.
-  JobProcess(const std::vector<std::string>& command, const std::filesystem::path& log);
+  /// `folder`: in which it runs; empty: this process's own.
+  /// @throws std::system_error if the log or a process cannot be made. A program that cannot be started, or a
+  /// folder that is not there, is no such failure: finish() says so.
+  JobProcess(const std::vector<std::string>& command, const std::filesystem::path& log,
+             const std::filesystem::path& folder = {});
   ~JobProcess();
   JobProcess(JobProcess&& other) noexcept;
   JobProcess& operator=(JobProcess&&) = delete;

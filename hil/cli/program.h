@@ -29,8 +29,26 @@ inline constexpr CommandText kGauge{
     "one\n"
     "does not hold."};
 
-/// Commands of kerfbench whose code is in kInstrumentProgram, in the order of the help.
-inline constexpr std::array kInstrumentCommands{kCalibrate, kGauge};
+inline constexpr const char* kWindowProgram = "kerfbench-window";
+
+inline constexpr CommandText kServe{
+    "serve",
+    "The window: prepare a job, start it, watch the machine, look at results, in a browser on this computer. "
+    "The\n"
+    "address that it prints lets one browser in, once; docs/how-to/window.md."};
+inline constexpr CommandText kView{"view",
+                                   "The window with a trace opened: machine, pins, frames, plots and text at one "
+                                   "moment"};
+
+/// A command of kerfbench whose code is in another program.
+struct HandedOver {
+  CommandText text;
+  const char* program;
+};
+/// In the order of the help.
+inline constexpr std::array kHandedOver{HandedOver{kServe, kWindowProgram}, HandedOver{kView, kWindowProgram},
+                                        HandedOver{kCalibrate, kInstrumentProgram},
+                                        HandedOver{kGauge, kInstrumentProgram}};
 
 /// The folder of the program that runs: its children are there, and the programs built with it.
 std::filesystem::path binDir();

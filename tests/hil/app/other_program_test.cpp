@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/instrument_program.h"
+#include "hil/app/other_program.h"
 
 #include <gtest/gtest.h>
 
@@ -16,8 +16,8 @@ TEST(InstrumentProgram, ThatIsNotBuiltIsToldWithTheCommandThatBuildsIt) {
   const base::TempFolder folder;
   std::array<char*, 1> no_words{};
   try {
-    becomeInstrument(folder.path(), "gauge", no_words.data());
-  } catch (const InstrumentMissing& e) {
+    becomeProgram(folder.path() / "kerfbench-instrument", "gauge", no_words.data());
+  } catch (const ProgramMissing& e) {
     EXPECT_STREQ(e.what(),
                  "kerfbench gauge is in kerfbench-instrument, which is not built: ./bench setup builds it");
   }
@@ -27,7 +27,7 @@ TEST(InstrumentProgram, ThatCannotBeStartedIsNotTakenForMissing) {
   const base::TempFolder folder;
   std::ignore = folder.write("kerfbench-instrument", "no program");
   std::array<char*, 1> no_words{};
-  EXPECT_THROW(becomeInstrument(folder.path(), "gauge", no_words.data()), std::system_error);
+  EXPECT_THROW(becomeProgram(folder.path() / "kerfbench-instrument", "gauge", no_words.data()), std::system_error);
 }
 
 }  // namespace
