@@ -79,6 +79,19 @@ void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
       ->excludes(with);
 }
 
+void addTraceOptions(CLI::App& command, judge::RunOptions& options) {
+  CLI::Option* const trace = command.add_flag(
+      "--trace", options.trace,
+      "Write the run as one file for people, run.mcap (docs/reference/trace.md): poses, pins, commands,\n"
+      "spot, frames, checks. While it goes on the file grows under the name that the run tells.");
+  command
+      .add_option("--trace-frames", options.trace_frames,
+                  "Every Nth frame of the spot camera goes into the trace; 0: none")
+      ->needs(trace)
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+}
+
 void addImageOption(CLI::App& command, fs::path& image) {
   command.add_option("--image", image, "The release, instead of the scenario's firmware.image");
 }
@@ -94,6 +107,7 @@ void addRun(CLI::App& app, const CliProgram& program, CliActions& actions) {
   run->add_option("SCENARIO", *scenarios, "Scenario files (fixtures/scenarios/*.yaml)")->required();
   addImageOption(*run, *image);
   addCommonOptions(*run, *options);
+  addTraceOptions(*run, *options);
   run->final_callback([=] {
     if (!options->output.empty() && scenarios->size() > 1)
       throw CLI::ValidationError("--output", "is for one scenario");
@@ -116,6 +130,7 @@ void addReplay(CLI::App& app, const CliProgram& program, CliActions& actions) {
                      "Recording of the real spot camera that the scenario names;\notherwise the folder spot "
                      "beside the pins");
   addCommonOptions(*replay, *options);
+  addTraceOptions(*replay, *options);
   actions.add(replay, [=] { return replayCommand(*files, *options); });
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -26,6 +27,7 @@
 #include "hil/run/dialogs.h"
 #include "hil/run/model_machine.h"
 #include "hil/run/release.h"
+#include "hil/trace/run/run_trace.h"
 
 namespace kerfbench::app {
 namespace {
@@ -48,6 +50,11 @@ scenario::Case caseWithOptions(const fs::path& path, const fs::path& image, cons
   if (options.twin) test_case.scenario.fidelity = scenario::fidelityFromName(*options.twin);
   if (options.time_limit_s) test_case.scenario.time_limit_s = *options.time_limit_s;
   return test_case;
+}
+
+/// Known of the reference controller alone.
+std::optional<double> programPeriod_s(const run::PreparedJob& job) {
+  return job.controller.empty() ? std::nullopt : std::optional(job.target.periodS());
 }
 
 constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on by itself
@@ -106,7 +113,14 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   if (!info.unconfined.empty())
     console.say(fmt::format(
         "  note: the release sees files and network like any program of yours, because {}", info.unconfined));
-  run::ModelMachine machine(test_case, sampled, info.rate, run::modelOptions(test_case));
+  const std::string firmware =
+      fmt::format("{} ({})", scenario.firmware.image.filename().string(), sourceName(scenario.firmware));
+  const std::unique_ptr<trace::RunTrace> traced = trace::tracing(
+      {test_case, sampled.machine, scenario.name, firmware, info.config_id, job.gcode, programPeriod_s(job)},
+      options, console);
+  run::ModelOptions model = run::modelOptions(test_case);
+  model.onlooker = traced.get();
+  run::ModelMachine machine(test_case, sampled, info.rate, model);
   const std::unique_ptr<judge::SpotWatch> spot_watch =
       judge::SpotWatch::of(test_case, machine, info.rate, options.jobs);
   const std::unique_ptr<judge::KerfWatch> kerf_watch = judge::KerfWatch::of(test_case, machine, options.jobs);
@@ -125,8 +139,8 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
 
   judge::Conclusion conclusion;
   conclusion.folder_name = scenario.name;
-  conclusion.firmware =
-      fmt::format("{} ({})", scenario.firmware.image.filename().string(), sourceName(scenario.firmware));
+  conclusion.firmware = firmware;
+  conclusion.finish_trace = trace::finishing(traced.get());
   conclusion.source_id = info.config_id;
   conclusion.sampled = &sampled;
   conclusion.machine = &machine;

@@ -11,7 +11,7 @@ bool isHigh(std::uint16_t levels, PinId pin) { return ((levels >> pin.bit) & 1U)
 
 }  // namespace
 
-std::int32_t CountedSteps::Axis::stepBy(const PinEvent& event) {
+std::int32_t StepCounter::Axis::stepBy(const PinEvent& event) {
   if (enable && event.port == enable->port) enabled = profile.enabledBy(isHigh(event.level, *enable));
   if (event.port == dir.port) dir_port = event.level;
   if (event.port != pul.port) return 0;
@@ -23,10 +23,9 @@ std::int32_t CountedSteps::Axis::stepBy(const PinEvent& event) {
   return profile.senseOf(isHigh(dir_port, dir));
 }
 
-std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& wiring) {
+std::optional<StepCounter> StepCounter::from(const PinWiring& wiring) {
   if (wiring.drives.size() < 2) return std::nullopt;
-  CountedSteps counted;
-  counted.rate_ = rate;
+  StepCounter counted;
   for (std::size_t i = 0; i < 2; ++i) {
     const DriveWiring& drive = wiring.drives[i];
     const std::optional<PinId> pul = wiring.signals.pin(drive.pul);
@@ -39,6 +38,15 @@ std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& w
     axis.profile = drive.profile;
     axis.enabled = !axis.enable || axis.profile.enabledBy(false);
   }
+  return counted;
+}
+
+std::optional<CountedSteps> CountedSteps::from(TickRate rate, const PinWiring& wiring) {
+  const std::optional<StepCounter> counter = StepCounter::from(wiring);
+  if (!counter) return std::nullopt;
+  CountedSteps counted;
+  counted.rate_ = rate;
+  counted.counter_ = *counter;
   return counted;
 }
 
@@ -57,7 +65,7 @@ void CountedSteps::add(std::span<const PinEvent> events, Tick until) {
 
 void CountedSteps::take(const PinEvent& event) {
   fillBefore(event.tick);
-  for (std::size_t i = 0; i < 2; ++i) now_[i] += axes_[i].stepBy(event);
+  counter_.take(event);
 }
 
 /// Most events need no division: they come well before the period's end.
@@ -75,7 +83,7 @@ std::size_t CountedSteps::periodOf(Tick tick) const {
 }
 
 void CountedSteps::fillUpTo(std::size_t period) {
-  while (steps_.size() < period) steps_.push_back(now_);
+  while (steps_.size() < period) steps_.push_back(counter_.now());
 }
 
 std::size_t CountedSteps::indexAt(double time_s) const {
@@ -85,7 +93,7 @@ std::size_t CountedSteps::indexAt(double time_s) const {
 }
 
 CountedSteps::Steps CountedSteps::at(double time_s) const {
-  return steps_.empty() ? now_ : steps_[indexAt(time_s)];
+  return steps_.empty() ? counter_.now() : steps_[indexAt(time_s)];
 }
 
 void CountedSteps::passed(double time_s) const { steps_.giveBack(0, indexAt(time_s)); }

@@ -14,12 +14,40 @@
 
 namespace kerfbench::evidence {
 
+/// Counts the steps of two axes that the pins ask for, one event after the other; as CountedSteps, and
+/// without what was before.
+class StepCounter {
+ public:
+  using Steps = std::array<std::int32_t, 2>;
+  /// For the first two of the drives. Nullopt if one of their lines is not wired.
+  static std::optional<StepCounter> from(const PinWiring& wiring);
+  /// The next event by tick.
+  void take(const PinEvent& event) {
+    for (std::size_t i = 0; i < 2; ++i) now_[i] += axes_[i].stepBy(event);
+  }
+  [[nodiscard]] const Steps& now() const { return now_; }
+
+ private:
+  struct Axis {
+    PinId pul, dir;
+    std::optional<PinId> enable;
+    DriverProfile profile;
+    bool pul_high{};
+    bool enabled{true};
+    std::uint16_t pul_port{}, dir_port{};  ///< Levels of their ports.
+    /// The step, if any, that a write brings.
+    std::int32_t stepBy(const PinEvent& event);
+  };
+  std::array<Axis, 2> axes_;
+  Steps now_{0, 0};
+};
+
 /// The steps of two axes that the pins have asked for, over time, with the sense that their drives give to
 /// DIR (DriverProfile::senseOf), without those while a drive was disabled. Nothing else says here whether a
 /// drive has followed.
 class CountedSteps {
  public:
-  using Steps = std::array<std::int32_t, 2>;
+  using Steps = StepCounter::Steps;
 
   /// Reads `recording.outputs` for the first two of `drives`. Nullopt if one of their lines is not wired.
   static std::optional<CountedSteps> of(const source::PinRecording& recording, const PinWiring& wiring);
@@ -29,7 +57,7 @@ class CountedSteps {
   /// `events` are those that follow, up to `until`, by tick.
   void add(std::span<const PinEvent> events, Tick until);
   /// No event follows.
-  void end() { steps_.push_back(now_); }
+  void end() { steps_.push_back(counter_.now()); }
 
   /// Steps at a time, s from tick 0: as they are at the end of its raster period, after the end as they were
   /// there. Before the end they are known up to kKnownAfter_s before what was added last.
@@ -43,17 +71,6 @@ class CountedSteps {
   static constexpr double kKnownAfter_s = 2.0 * kRaster_s;  ///< The period's rest, and one for the rounding.
 
  private:
-  struct Axis {
-    PinId pul, dir;
-    std::optional<PinId> enable;
-    DriverProfile profile;
-    bool pul_high{};
-    bool enabled{true};
-    std::uint16_t pul_port{}, dir_port{};  ///< Levels of their ports.
-    /// The step, if any, that a write brings.
-    std::int32_t stepBy(const PinEvent& event);
-  };
-
   [[nodiscard]] std::size_t indexAt(double time_s) const;
   [[nodiscard]] std::size_t periodOf(Tick tick) const;
   void take(const PinEvent& event);
@@ -61,8 +78,7 @@ class CountedSteps {
   void fillUpTo(std::size_t period);
 
   TickRate rate_;
-  std::array<Axis, 2> axes_;
-  Steps now_{0, 0};
+  StepCounter counter_;
   base::SpilledVector<Steps> steps_;  ///< At the end of each raster period.
   Tick surely_within_{};              ///< Ticks before this one belong to the period that follows steps_.
 };

@@ -162,6 +162,10 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
   }
   report.timing = stopwatch.stages();
   const report::Digests digests = report::digestsOf(report);
+  if (conclusion.finish_trace) {
+    conclusion.finish_trace(report, digests, folder.staging());
+    stopwatch.lap("trace");
+  }
   report::writeReports(report, digests, folder.staging(), options.jobs);
   // Last, so that whatever fails before leaves them where they are.
   if (conclusion.moves_frames)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "hil/judge/kerf_watch.h"
 #include "hil/judge/run_options.h"
 #include "hil/judge/spot_watch.h"
+#include "hil/report/run_report.h"
 #include "hil/run/lockstep.h"
 #include "hil/run/model_machine.h"
 #include "hil/scenario/case.h"
@@ -38,6 +40,10 @@ struct Conclusion {
   std::filesystem::path spot_frames;  ///< Recording of a real spot camera; empty: none.
   bool unsealed{};                    ///< A recording without a sum of its own is replayed.
   bool moves_frames{};                ///< True if that recording goes into the results folder.
+  /// Writes the trace of the run into the folder of its results; empty: there is none.
+  std::function<void(const report::RunReport& report, const report::Digests& digests,
+                     const std::filesystem::path& folder)>
+      finish_trace;
   /// For a run that was to be stopped, without pulses and gates.
   std::optional<inspect::SafeStateEvidence> safe_state;
 };

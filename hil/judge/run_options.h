@@ -22,6 +22,8 @@ struct RunOptions {
   bool timing{};
   bool pictures{true};            ///< Whether the report has pictures of the machine.
   bool keep_evidence{};           ///< Whether the evidence of the diagnosis goes into the results folder.
+  bool trace{};                   ///< Whether the run is written as a trace, for people.
+  int trace_frames{50};           ///< Every Nth frame of the spot camera goes into it; 0: none.
   std::filesystem::path bin_dir;  ///< Where kerfbench and its children are.
   std::string command_line;       ///< As typed, for the report.
 };

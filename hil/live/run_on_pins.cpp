@@ -18,6 +18,7 @@
 #include "hil/run/model_machine.h"
 #include "hil/run/sensor_lag.h"
 #include "hil/source/open.h"
+#include "hil/trace/run/run_trace.h"
 
 namespace kerfbench::live {
 namespace {
@@ -72,6 +73,11 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   run::ModelOptions model = run::modelOptions(test_case);
   model.beside_real_camera = test_case.scenario.cameras.spot.is_real;
   model.witness_sensors = !driven.empty();
+  trace::TraceSource traced_source{test_case,           pins.sampled.machine, conclusion.folder_name,
+                                   conclusion.firmware, conclusion.source_id, conclusion.gcode};
+  traced_source.recorded = &recorded;
+  const std::unique_ptr<trace::RunTrace> traced = trace::tracing(std::move(traced_source), options, console);
+  model.onlooker = traced.get();
   run::ModelMachine machine(test_case, pins.sampled, recorded.rate, model);
   const std::unique_ptr<judge::SpotWatch> spot_watch =
       judge::SpotWatch::of(test_case, machine, recorded.rate, options.jobs);
@@ -91,6 +97,7 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   conclusion.machine = &machine;
   conclusion.spot_watch = spot_watch.get();
   conclusion.kerf_watch = kerf_watch.get();
+  conclusion.finish_trace = trace::finishing(traced.get());
   // A recording without the controller's words is judged by its pins alone.
   if (!recorded.uart.empty()) {
     const bool provoked = test_case.scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;

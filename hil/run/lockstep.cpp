@@ -130,8 +130,11 @@ class Lockstep {
     base::OneProcessor together(info_.process);
     for (int round = 0; now_ < end_; ++round) {
       together.turn();
-      if (!advance()) break;
-      talk();
+      const Tick from = now_;
+      const bool goes_on = advance();
+      if (goes_on) talk();
+      if (options_.seen) tellOf(from);
+      if (!goes_on) break;
       if (progress && round % 100 == 0)
         progress(info_.rate.seconds(now_), dialog_ != nullptr   ? dialog_->message()
                                            : options_.by_itself ? "the controller's own job"
@@ -147,8 +150,10 @@ class Lockstep {
   /// Sensors first, then the controller's events of the same quantum. False: the source has stopped.
   bool advance() {
     const Tick until = std::min(now_ + quantum_, end_);
+    std::vector<SensorEdge>& edges = edges_;
+    edges.clear();
     if (info_.accepts_input) {
-      std::vector<SensorEdge> edges = model_.predictSensors(until);
+      edges = model_.predictSensors(until);
       if (options_.provocation != nullptr) options_.provocation->changeSensors(edges, now_, until);
       if (options_.by_itself) pressStart(edges, until);
       if (now_ == 0 && info_.deterministic) driveLow();
@@ -171,6 +176,11 @@ class Lockstep {
     return false;
   }
 
+  void tellOf(Tick from) {
+    options_.seen({from, now_, batch_.events, edges_, batch_.uart, said_});
+    said_.clear();
+  }
+
   /// Keeps what the controller said, and answers it.
   void talk() {
     const double now_s = info_.rate.seconds(now_);
@@ -183,6 +193,7 @@ class Lockstep {
     auto answer = dialog_->step(batch_.uart, now_s);
     if (options_.provocation != nullptr) answer = options_.provocation->toController(answer, now_s);
     if (!answer.empty()) source_.uartWrite(answer);
+    if (options_.seen) said_ = answer;
     finishing_ = dialog_->state() != Dialog::State::kBusy;
     if (dialog_->state() == Dialog::State::kFailed) {
       result_.dialog.reason = fmt::format("at {:.3f} s: {}", now_s, dialog_->message());
@@ -310,6 +321,8 @@ class Lockstep {
   bool halted_{false};
   bool pulsed_at_limit_{false};
   source::Batch batch_;
+  std::vector<SensorEdge> edges_;   ///< Of the quantum, as the source was told.
+  std::vector<std::uint8_t> said_;  ///< The dialog's answer in it.
   Gaps gaps_;
   RecordedRun result_;
 };

@@ -10,6 +10,7 @@
 #include "hil/base/progress.h"
 #include "hil/controller/controller_report.h"
 #include "hil/run/dialog.h"
+#include "hil/run/onlooker.h"
 #include "hil/run/provoke.h"
 #include "hil/scenario/case.h"
 #include "hil/source/signal_source.h"
@@ -36,6 +37,8 @@ struct LockstepOptions {
   std::optional<SelfStart> by_itself{};  ///< Only without a dialog, and not for a recording.
   Provocation* provocation{};            ///< May be null. If not, a dialog that never ends is no problem.
   Hearing heard{};                       ///< Is told of each quantum before the model makes it; may be empty.
+  /// Is told of each quantum after all is done; may be empty.
+  std::function<void(const Quantum&)> seen{};
   double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
 };
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "hil/camera/seen_frames.h"
 #include "hil/camera/twin/exposure_feed.h"
 #include "hil/camera/twin/twin_frames.h"
 #include "hil/run/cut_on_twin.h"
@@ -35,6 +36,15 @@ double endOfReach_mm(const twin::MachineDescription& machine) {
   const twin::ControllerDescription& told = machine.controller;
   const double field_mm = told.field_max_mm[0] - told.field_min_mm[0];
   return std::max(told.field_max_mm[0], machine.travel_max_mm[0]) + kBeyondField * field_mm;
+}
+
+MachineState stateOf(const twin::Twin& twin) {
+  const twin::Twin::Truth truth = twin.truth();
+  return {twin.pose(), truth.p_WQ_mm, truth.emitted_j};
+}
+
+camera::FrameSeen shownTo(Onlooker& onlooker) {
+  return [&onlooker](const Frame& frame) { onlooker.sawFrame(frame); };
 }
 
 twin::TwinOptions twinOptionsOf(const ModelOptions& options) {
@@ -77,12 +87,17 @@ ModelMachine::~ModelMachine() = default;
 RecordedRun ModelMachine::run(source::SignalSource& source, Dialog* dialog, const LockstepOptions& options,
                               const ProgressFn& progress) {
   twin::Twin& twin = hidden_->twin;
+  LockstepOptions shown = options;
+  if (Onlooker* const onlooker = options_.onlooker) {
+    onlooker->begins(stateOf(twin), source.info().rate);
+    shown.seen = [onlooker, &twin](const Quantum& quantum) { onlooker->saw(quantum, stateOf(twin)); };
+  }
   FilmedSource filmed(source, twin, film_);
   const Onlookers onlookers{feed_.get(), hidden_->web ? &*hidden_->web : nullptr};
   TwinModel alone(twin, onlookers);
   WitnessedTwin witnessed(twin, onlookers);
   LockstepModel& model = options_.witness_sensors ? static_cast<LockstepModel&>(witnessed) : alone;
-  RecordedRun result = runLockstep(filmed, model, test_case_.machine.signals, dialog, options, progress);
+  RecordedRun result = runLockstep(filmed, model, test_case_.machine.signals, dialog, shown, progress);
   film_.add(twin);
   due_sensors_ = witnessed.due();
   if (hidden_->web) hidden_->web->end(twin);
@@ -106,13 +121,17 @@ const twin::Sheet& ModelMachine::sheet() {
 std::unique_ptr<camera::FrameSource> ModelMachine::spotFrames(double from_s, double to_s, int threads) {
   std::vector<twin::Exposure> exposures = hidden_->twin.takeExposures();
   std::erase_if(exposures, [&](const twin::Exposure& e) { return e.start_s < from_s || e.start_s > to_s; });
-  return std::make_unique<camera::TwinFrameSource>(spotCamera(), std::move(exposures), threads);
+  auto frames = std::make_unique<camera::TwinFrameSource>(spotCamera(), std::move(exposures), threads);
+  if (options_.onlooker == nullptr) return frames;
+  return std::make_unique<camera::SeenFrames>(std::move(frames), shownTo(*options_.onlooker));
 }
 
 std::unique_ptr<camera::FramesMeanwhile> ModelMachine::spotFramesMeanwhile(int threads) {
   if (feed_) throw std::logic_error("ModelMachine: somebody looks at the spot already");
   feed_ = std::make_shared<camera::ExposureFeed>(kMostWaiting);
-  return std::make_unique<camera::TwinFrameSource>(spotCamera(), feed_, threads);
+  auto frames = std::make_unique<camera::TwinFrameSource>(spotCamera(), feed_, threads);
+  if (options_.onlooker == nullptr) return frames;
+  return std::make_unique<camera::SeenFramesMeanwhile>(std::move(frames), shownTo(*options_.onlooker));
 }
 
 twin::SpotCamera ModelMachine::spotCamera() const {

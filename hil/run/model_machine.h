@@ -36,6 +36,7 @@ struct ModelOptions {
   bool beside_real_camera{false};
   /// Keeps which edges the machine's sensors were due to give while recorded pins led it.
   bool witness_sensors{false};
+  Onlooker* onlooker{};  ///< Is shown the run; may be null, else it must outlive it.
 };
 
 /// What the model alone knows of a run. It tells people why; nothing that judges may use it.

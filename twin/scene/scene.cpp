@@ -72,7 +72,7 @@ void SceneBuilder::box(const std::string& name, Material material, const Eigen::
                        const Eigen::Vector3d& max_mm, double edge_radius_mm) {
   Eigen::Isometry3d X_WP = Eigen::Isometry3d::Identity();
   X_WP.translation() = 0.5 * (min_mm + max_mm);
-  scene_.parts.push_back({name, material, X_WP, Box{max_mm - min_mm, edge_radius_mm}});
+  add(name, material, X_WP, Box{max_mm - min_mm, edge_radius_mm});
 }
 
 void SceneBuilder::cylinder(const std::string& name, Material material, const Eigen::Vector3d& from_mm,
@@ -80,13 +80,13 @@ void SceneBuilder::cylinder(const std::string& name, Material material, const Ei
   const Eigen::Vector3d along = to_mm - from_mm;
   const Eigen::Vector3d z = along.normalized();
   const Eigen::Vector3d across = Eigen::Vector3d::Unit(std::abs(z.x()) < 0.9 ? 0 : 1);
-  scene_.parts.push_back({name, material, frameAlong(0.5 * (from_mm + to_mm), z, across),
-                          Cylinder{radius_mm, along.norm(), bore_mm}});
+  add(name, material, frameAlong(0.5 * (from_mm + to_mm), z, across),
+      Cylinder{radius_mm, along.norm(), bore_mm});
 }
 
 void SceneBuilder::disc(const std::string& name, Material material, const PlacedDisc& disc) {
-  scene_.parts.push_back({name, material, frameAlong(disc.centre_mm, disc.normal, disc.along),
-                          Disc{disc.radius_mm, disc.thickness_mm}});
+  add(name, material, frameAlong(disc.centre_mm, disc.normal, disc.along),
+      Disc{disc.radius_mm, disc.thickness_mm});
 }
 
 void SceneBuilder::arrow(const std::string& name, Material material, const Eigen::Vector3d& origin_mm,
@@ -96,8 +96,7 @@ void SceneBuilder::arrow(const std::string& name, Material material, const Eigen
   const Eigen::Vector3d neck = origin_mm + (length_mm - head_mm) * direction;
   cylinder(name, material, origin_mm, neck, radius_mm);
   const Eigen::Vector3d across = Eigen::Vector3d::Unit(std::abs(direction.x()) < 0.9 ? 0 : 1);
-  scene_.parts.push_back(
-      {name, material, frameAlong(neck, direction, across), Cone{3.2 * radius_mm, head_mm}});
+  add(name, material, frameAlong(neck, direction, across), Cone{3.2 * radius_mm, head_mm});
 }
 
 double beamRadius_mm(const BeamDescription& beam, double distance_mm) {
@@ -116,12 +115,15 @@ Scene sceneOf(const MachineDescription& machine, const WebDescription& web, cons
                                 pose.sheet_slip_mm.y());
   SceneBuilder build(scene);
   addConveyor(build, machine, pose, layout);
+  build.on(body_name::kWeb);
   addBoard(build, web, content, layout, p_WS_mm);
+  build.on("");
   if (machine.kind == MachineDescription::Kind::kGantry) {
     addGantry(build, machine, pose, layout);
   } else {
     addMirrorHead(build, machine, pose, layout);
   }
+  build.on("");
   addScales(build);
   return scene;
 }

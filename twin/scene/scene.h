@@ -60,6 +60,7 @@ struct ScenePart {
   Material material{};
   Eigen::Isometry3d X_WP{Eigen::Isometry3d::Identity()};  ///< Pose of the part in W; lengths in mm.
   std::variant<Box, Cylinder, Disc, Cone> shape;
+  std::string body{};  ///< What it moves with, see MovingScene; empty: stands still.
 };
 
 struct BeamPoint {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "twin/scene/moving_scene.h"
 #include "twin/scene/scene_parts.h"
 
 namespace kerfbench::twin {
@@ -15,6 +16,7 @@ constexpr double kMargin_mm = 8.0;  // Margin of board around what is printed an
 constexpr double kEyeMark_mm = 10.0;
 // Height of print: so little above the board that it only hides it.
 constexpr double kPrintHeight_mm = 0.02;
+constexpr int kHoleRows = 5;  // Rows of holes on either side of the belt's middle.
 
 // Extent of one unit in its S.
 Eigen::AlignedBox2d unitExtent(const PrintLayout& print, const SceneContent& content) {
@@ -32,8 +34,8 @@ Eigen::AlignedBox2d unitExtent(const PrintLayout& print, const SceneContent& con
 void extend(Eigen::AlignedBox3d& box, double x, double y, double z) { box.extend(Eigen::Vector3d(x, y, z)); }
 
 // Adds a roller with the hubs that show its turn, the belt around it, and its shaft.
-void addRoller(SceneBuilder& build, double x_mm, double angle_rad, double radius_mm,
-               const ConveyorLayout& at) {
+void addRoller(SceneBuilder& build, double x_mm, double angle_rad, double radius_mm, const ConveyorLayout& at,
+               const char* body) {
   const double z_mm = at.belt_z_mm - kBeltThickness_mm - radius_mm;
   const auto place = [&](double y) { return Eigen::Vector3d(x_mm, y, z_mm); };
   build.cylinder("roller", Material::kSteel, place(-at.half_width_mm - 4), place(at.half_width_mm + 4),
@@ -42,6 +44,7 @@ void addRoller(SceneBuilder& build, double x_mm, double angle_rad, double radius
                  radius_mm + kBeltThickness_mm, radius_mm);
   const double hub_mm = 0.62 * radius_mm;
   build.cylinder("roller hub", Material::kSteel, place(-at.frame_y_mm - 5), place(-at.frame_y_mm), hub_mm);
+  build.on(body);
   for (int i = 0; i < 4; ++i) {
     // The roller turns about +Wy: its top runs along +Wx.
     const double a = angle_rad + i * 0.5 * std::numbers::pi;
@@ -51,24 +54,33 @@ void addRoller(SceneBuilder& build, double x_mm, double angle_rad, double radius
                {centre, -Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX(),
                 Eigen::Vector2d::Constant(0.17 * hub_mm), 0.5});
   }
+  build.on("");
   build.cylinder("roller shaft", Material::kSteel, place(-at.frame_y_mm - 14), place(at.frame_y_mm + 10),
                  0.2 * radius_mm);
 }
 
+double holePitch_mm(const ConveyorLayout& at) { return at.half_width_mm / kHolesPerHalfWidth; }
+
+// A hole of the belt, its centre in the belt's face.
+SceneBuilder::PlacedDisc holeAt(double x_mm, int row, const ConveyorLayout& at) {
+  const double pitch_mm = holePitch_mm(at);
+  return {{x_mm, pitch_mm * row, at.belt_z_mm + 0.01},
+          Eigen::Vector3d::UnitZ(),
+          Eigen::Vector3d::UnitX(),
+          Eigen::Vector2d::Constant(0.09 * pitch_mm),
+          0.005};
+}
+
 void addBeltHoles(SceneBuilder& build, double travel_mm, const ConveyorLayout& at) {
-  const double pitch_mm = at.half_width_mm / 6.0;
+  const double pitch_mm = holePitch_mm(at);
   const double first_mm = at.min_x_mm + travel_mm - pitch_mm * std::floor(travel_mm / pitch_mm);
   const int columns = static_cast<int>((at.max_x_mm - first_mm) / pitch_mm) + 1;
+  build.on(body_name::kBeltHoles);
   for (int column = 0; column < columns; ++column) {
-    for (int row = -5; row <= 5; ++row) {
-      build.disc("belt hole", Material::kBeltHole,
-                 {{first_mm + pitch_mm * column, pitch_mm * row, at.belt_z_mm + 0.01},
-                  Eigen::Vector3d::UnitZ(),
-                  Eigen::Vector3d::UnitX(),
-                  Eigen::Vector2d::Constant(0.09 * pitch_mm),
-                  0.005});
-    }
+    for (int row = -kHoleRows; row <= kHoleRows; ++row)
+      build.disc("belt hole", Material::kBeltHole, holeAt(first_mm + pitch_mm * column, row, at));
   }
+  build.on("");
 }
 
 void addSideFrames(SceneBuilder& build, double radius_mm, const ConveyorLayout& at) {
@@ -105,15 +117,36 @@ void addMarkSensor(SceneBuilder& build, double x_mm, const ConveyorLayout& at) {
             {x_mm + 0.3 * s, -at.frame_y_mm + 0.5 * s, z + 1.6 * s}, 0.5);
 }
 
+// Extent of all units, in S of unit 0; empty: there is no board.
+Eigen::AlignedBox2d wholeBoard(const PrintLayout& print, const SceneContent& content) {
+  Eigen::AlignedBox2d board = unitExtent(print, content);
+  if (!board.isEmpty()) board.min().x() -= print.pitch_mm * (print.units - 1);
+  return board;
+}
+
 // Extent of the board along x and y in W, cut off at the ends of the belt; empty: none is on the belt.
 Eigen::AlignedBox2d boardOnBelt(const WebDescription& web, const SceneContent& content,
                                 const ConveyorLayout& at, const Eigen::Vector2d& p_WS_mm) {
-  Eigen::AlignedBox2d board = unitExtent(web.print, content);
+  Eigen::AlignedBox2d board = wholeBoard(web.print, content);
   if (board.isEmpty()) return board;
-  board.min().x() -= web.print.pitch_mm * (web.print.units - 1);
   board.translate(p_WS_mm);
   const Eigen::AlignedBox2d belt(Eigen::Vector2d(at.min_x_mm, -1e9), Eigen::Vector2d(at.max_x_mm, 1e9));
   return board.intersection(belt);
+}
+
+SceneBuilder::PlacedDisc markAt(const Eigen::Vector2d& p_mm, double diameter_mm) {
+  return {{p_mm.x(), p_mm.y(), kPrintHeight_mm},
+          Eigen::Vector3d::UnitZ(),
+          Eigen::Vector3d::UnitX(),
+          Eigen::Vector2d::Constant(0.5 * diameter_mm),
+          0.5 * kPrintHeight_mm};
+}
+
+// Adds an eye mark by the middle of its leading edge.
+void addEyeMark(SceneBuilder& build, const PrintLayout& print, double x_mm, double y_mm) {
+  build.box("eye mark", Material::kPrint,
+            {x_mm - print.eye_mark_length_mm, y_mm - 0.5 * kEyeMark_mm, 0.5 * kPrintHeight_mm},
+            {x_mm, y_mm + 0.5 * kEyeMark_mm, kPrintHeight_mm});
 }
 
 void addPrint(SceneBuilder& build, const PrintLayout& print, const Eigen::AlignedBox2d& board,
@@ -123,19 +156,12 @@ void addPrint(SceneBuilder& build, const PrintLayout& print, const Eigen::Aligne
     for (const RegistrationMark& mark : print.marks) {
       const Eigen::Vector2d p = p_WU_mm + mark.p_SM_mm;
       if (!board.contains(p)) continue;
-      build.disc("registration mark", Material::kPrint,
-                 {{p.x(), p.y(), kPrintHeight_mm},
-                  Eigen::Vector3d::UnitZ(),
-                  Eigen::Vector3d::UnitX(),
-                  Eigen::Vector2d::Constant(0.5 * mark.diameter_mm),
-                  0.5 * kPrintHeight_mm});
+      build.disc("registration mark", Material::kPrint, markAt(p, mark.diameter_mm));
     }
     const Eigen::Vector2d edge = p_WU_mm + Eigen::Vector2d(print.eye_mark_x_mm, 0.0);
     const double y = p_WS_mm.y() + at.eye_mark_y_mm;
     if (print.marks.empty() || !board.contains(Eigen::Vector2d(edge.x(), y))) continue;
-    build.box("eye mark", Material::kPrint,
-              {edge.x() - print.eye_mark_length_mm, y - 0.5 * kEyeMark_mm, 0.5 * kPrintHeight_mm},
-              {edge.x(), y + 0.5 * kEyeMark_mm, kPrintHeight_mm});
+    addEyeMark(build, print, edge.x(), y);
   }
 }
 
@@ -194,8 +220,8 @@ void addConveyor(SceneBuilder& build, const MachineDescription& machine, const M
             {at.max_x_mm, at.half_width_mm, low_mm + kBeltThickness_mm});
   addBeltHoles(build, pose.belt_travel_mm, at);
   const double angle_rad = pose.roller_mm / radius_mm;
-  addRoller(build, at.min_x_mm, angle_rad, radius_mm, at);
-  addRoller(build, at.max_x_mm, angle_rad, radius_mm, at);
+  addRoller(build, at.min_x_mm, angle_rad, radius_mm, at, body_name::kInfeed);
+  addRoller(build, at.max_x_mm, angle_rad, radius_mm, at, body_name::kOutfeed);
   addSideFrames(build, radius_mm, at);
   addMarkSensor(build, machine.belt.print_mark_sensor.x_mm, at);
   const double z_mm = at.belt_z_mm - kBeltThickness_mm - radius_mm;
@@ -217,6 +243,53 @@ void addBoard(SceneBuilder& build, const WebDescription& web, const SceneContent
   addBurnt(scene, content, board, p_WS_mm);
   extend(scene.sheet, board.min().x(), board.min().y(), 0.0);
   extend(scene.sheet, board.max().x(), board.max().y(), 0.0);
+}
+
+void addWholeWeb(MovingScene& moving, const WebDescription& web, const SceneContent& content,
+                 const ConveyorLayout& at) {
+  const BeltEnds ends{at.min_x_mm, at.max_x_mm};
+  const double pitch_mm = holePitch_mm(at);
+  const PrintLayout& print = web.print;
+  Scene scene;
+  SceneBuilder build(scene);
+  const auto add = [&](const Eigen::Vector3d& step_mm, int count, ShownOnBelt shown) {
+    moving.parts.push_back(
+        {scene.parts.back(), moving.bodyNamed(scene.parts.back().body), count, step_mm, shown});
+  };
+  build.on(body_name::kBeltHoles);
+  const int columns = static_cast<int>((at.max_x_mm - at.min_x_mm) / pitch_mm) + 1;
+  for (int row = -kHoleRows; row <= kHoleRows; ++row) {
+    const SceneBuilder::PlacedDisc hole = holeAt(at.min_x_mm, row, at);
+    build.disc("belt hole", Material::kBeltHole, hole);
+    add({pitch_mm, 0.0, 0.0}, columns, {ShownOnBelt::How::kWholeWithin, ends, hole.centre_mm});
+  }
+  Eigen::AlignedBox2d board = wholeBoard(print, content);
+  if (board.isEmpty()) return;
+  build.on(body_name::kWeb);
+  const Eigen::Vector2d p_WS_mm(web.start_x_mm, 0.0);
+  board.translate(p_WS_mm);
+  build.box("board", Material::kBoard, {board.min().x(), board.min().y(), at.belt_z_mm},
+            {board.max().x(), board.max().y(), 0.0});
+  add(Eigen::Vector3d::Zero(), 1, {ShownOnBelt::How::kCut, ends, Eigen::Vector3d::Zero()});
+  const Eigen::Vector3d step_mm(-print.pitch_mm, 0.0, 0.0);
+  for (const RegistrationMark& mark : print.marks) {
+    const SceneBuilder::PlacedDisc disc = markAt(p_WS_mm + mark.p_SM_mm, mark.diameter_mm);
+    build.disc("registration mark", Material::kPrint, disc);
+    add(step_mm, print.units, {ShownOnBelt::How::kWholeWithin, ends, disc.centre_mm});
+  }
+  // The board may end before the eye mark of the first unit, or of the last.
+  const auto isOnBoard = [&](int unit) {
+    return board.contains(
+        Eigen::Vector2d(p_WS_mm.x() + print.eye_mark_x_mm - print.pitch_mm * unit, at.eye_mark_y_mm));
+  };
+  int first = 0;
+  int end = print.marks.empty() ? 0 : print.units;
+  while (first < end && !isOnBoard(first)) ++first;
+  while (end > first && !isOnBoard(end - 1)) --end;
+  if (first == end) return;
+  const double x_mm = p_WS_mm.x() + print.eye_mark_x_mm - print.pitch_mm * first;
+  addEyeMark(build, print, x_mm, at.eye_mark_y_mm);
+  add(step_mm, end - first, {ShownOnBelt::How::kWholeWithin, ends, {x_mm, at.eye_mark_y_mm, 0.0}});
 }
 
 }  // namespace kerfbench::twin

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "twin/optics/scan_head.h"
+#include "twin/scene/moving_scene.h"
 #include "twin/scene/scene_parts.h"
 
 namespace kerfbench::twin {
@@ -141,7 +142,25 @@ GantryLayout gantryLayout(const MachineDescription& machine, const ConveyorLayou
   return at;
 }
 
+// Where the tube's beam leaves it.
+Eigen::Vector3d leavesTube(const GantryLayout& at) {
+  return {at.tube_x_mm, at.rail_y_mm - 1.6 * at.size_mm, at.beam_z_mm};
+}
+
 }  // namespace
+
+void addGantryBeam(MovingScene& moving, const MachineDescription& machine, const ConveyorLayout& layout) {
+  const GantryLayout at = gantryLayout(machine, layout);
+  const double wide_mm = beamRadius_mm(machine.beam, at.beam_z_mm - machine.beam.focus_z_mm);
+  const auto rides = [&](const Eigen::Vector3d& p_mm, const char* body) {
+    moving.beam.push_back({BeamCorner::Kind::kRides, moving.bodyNamed(body), p_mm, {}, wide_mm});
+  };
+  rides(leavesTube(at), "");
+  rides({at.tube_x_mm, at.rail_y_mm, at.beam_z_mm}, "");
+  rides({0.0, at.rail_y_mm, at.beam_z_mm}, body_name::kBridgeMirror);
+  rides({0.0, 0.0, at.beam_z_mm}, body_name::kCarriage);
+  moving.spot_radius_mm = beamRadius_mm(machine.beam, -machine.beam.focus_z_mm);
+}
 
 void addGantry(SceneBuilder& build, const MachineDescription& machine, const MachinePose& pose,
                const ConveyorLayout& layout) {
@@ -151,7 +170,9 @@ void addGantry(SceneBuilder& build, const MachineDescription& machine, const Mac
                              pose.gantry_mm.y());
   addRails(build, at);
   addTube(build, at, layout);
+  build.on(body_name::kBridge);
   addBridge(build, at, pose.gantry_mm.x(), shift);
+  build.on(body_name::kCarriage);
   addCarriage(build, at, p_mm, shift);
 
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
@@ -160,8 +181,11 @@ void addGantry(SceneBuilder& build, const MachineDescription& machine, const Mac
   const Eigen::Vector3d corner(at.tube_x_mm, at.rail_y_mm, at.beam_z_mm);
   const Eigen::Vector3d on_bridge = Eigen::Vector3d(p_mm.x(), at.rail_y_mm, at.beam_z_mm) + shift;
   const Eigen::Vector3d on_carriage = Eigen::Vector3d(p_mm.x(), p_mm.y(), at.beam_z_mm) + shift;
+  build.on("");
   addFlatMirror(build, "corner mirror", corner, y, x, at.size_mm);
+  build.on(body_name::kBridgeMirror);
   addFlatMirror(build, "bridge mirror", on_bridge, x, -y, at.size_mm);
+  build.on(body_name::kCarriage);
   addFlatMirror(build, "carriage mirror", on_carriage, -y, -z, at.size_mm);
 
   Scene& scene = build.scene();
@@ -175,8 +199,7 @@ void addGantry(SceneBuilder& build, const MachineDescription& machine, const Mac
   const Eigen::Vector3d p_WQ(spot->p_WQ_mm.x(), spot->p_WQ_mm.y(), spot->height_mm);
   const double wide_mm = beamRadius_mm(machine.beam, at.beam_z_mm - machine.beam.focus_z_mm);
   const double at_board_mm = beamRadius_mm(machine.beam, p_WQ.z() - machine.beam.focus_z_mm);
-  const Eigen::Vector3d leaves(at.tube_x_mm, at.rail_y_mm - 1.6 * s, at.beam_z_mm);
-  scene.beam = {{leaves, wide_mm},
+  scene.beam = {{leavesTube(at), wide_mm},
                 {corner, wide_mm},
                 {on_bridge, wide_mm},
                 {on_carriage, wide_mm},

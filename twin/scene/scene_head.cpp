@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "twin/optics/scan_head.h"
+#include "twin/scene/moving_scene.h"
 #include "twin/scene/scene_parts.h"
 
 namespace kerfbench::twin {
@@ -65,8 +66,10 @@ Eigen::Vector3d onPlane(const Eigen::Vector3d& from, const Eigen::Vector3d& dire
 }
 
 void addMirror(SceneBuilder& build, const Mirror& mirror, const Eigen::Vector3d& motor_side, double size_mm) {
+  build.on(mirror.name);
   build.disc(mirror.name, Material::kMirror,
              {mirror.place_mm, mirror.normal, mirror.axis, mirror.radius_mm, 0.12 * size_mm});
+  build.on(body_name::kHead);
   const Eigen::Vector3d edge = mirror.place_mm + mirror.radius_mm.x() * motor_side;
   const std::string motor = std::string(mirror.name) + " motor";
   build.cylinder(motor, Material::kSteel, edge - 0.12 * size_mm * motor_side,
@@ -96,6 +99,25 @@ void addHousing(SceneBuilder& build, const HeadFrame& H, const Housing& h, doubl
   plate({-w, w, a.z()}, {w, b.y() - wall, a.z() + wall});
   plate({-w, a.y(), a.z()}, {w, -w, a.z() + wall});
   headBox(build, H, "window", Material::kGlass, {{-w, -w, a.z() + 0.3 * wall}, {w, w, a.z() + 0.7 * wall}});
+}
+
+// Adds the column behind the conveyor, at y = `back_mm`, that carries the rail at a place of H. It is part of
+// the machine's frame and moves with it.
+void addColumn(SceneBuilder& build, const HeadFrame& H, const Eigen::Vector3d& rail_H_mm, double radius_mm,
+               double back_mm) {
+  const Eigen::Vector3d rail = H.along(rail_H_mm.x(), rail_H_mm.y(), rail_H_mm.z());
+  const double half = 1.3 * radius_mm;
+  Scene& scene = build.scene();
+  const auto box = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high, double edge_mm) {
+    build.box("column", Material::kPaint, low + H.shift_mm, high + H.shift_mm, edge_mm);
+  };
+  box({rail.x() - half, back_mm - half, scene.floor_z_mm},
+      {rail.x() + half, back_mm + half, rail.z() + 1.3 * radius_mm}, 3.0);
+  box({rail.x() - 2.2 * half, back_mm - 1.8 * half, scene.floor_z_mm},
+      {rail.x() + 2.2 * half, back_mm + 1.8 * half, scene.floor_z_mm + 0.4 * radius_mm}, 2.0);
+  box({rail.x() - 0.8 * half, std::min(rail.y(), back_mm), rail.z() - 0.6 * radius_mm},
+      {rail.x() + 0.8 * half, std::max(rail.y(), back_mm), rail.z() + 0.6 * radius_mm}, 2.0);
+  scene.overall.extend(Eigen::Vector3d(rail.x(), back_mm + half, rail.z()));
 }
 
 // Place of the tube, the rail that carries it and the head, and the column behind the conveyor.
@@ -132,20 +154,13 @@ void addTubeAndColumn(SceneBuilder& build, const HeadFrame& H, const Housing& h,
              {x + 0.35 * radius, rail_y, L_mm + 1.25 * radius},
              2.0});
   }
+  addColumn(build, H, {end - 0.35 * tube_mm, rail_y + 0.7 * radius, L_mm}, radius,
+            layout.frame_y_mm + 3.2 * radius);
+  // Scales and view stand still while the frame trembles.
   Scene& scene = build.scene();
-  const Eigen::Vector3d rail = H.at(end - 0.35 * tube_mm, rail_y + 0.7 * radius, L_mm);
-  const double back = layout.frame_y_mm + 3.2 * radius;
-  const double half = 1.3 * radius;
-  build.box("column", Material::kPaint, {rail.x() - half, back - half, scene.floor_z_mm},
-            {rail.x() + half, back + half, L_mm + 1.3 * radius}, 3.0);
-  build.box("column", Material::kPaint, {rail.x() - 2.2 * half, back - 1.8 * half, scene.floor_z_mm},
-            {rail.x() + 2.2 * half, back + 1.8 * half, scene.floor_z_mm + 0.4 * radius}, 2.0);
-  build.box("column", Material::kPaint,
-            {rail.x() - 0.8 * half, std::min(rail.y(), back), L_mm - 0.6 * radius},
-            {rail.x() + 0.8 * half, std::max(rail.y(), back), L_mm + 0.6 * radius}, 2.0);
-  scene.overall.extend(H.at(start, -d_mm - 1.3 * radius, L_mm + 1.4 * radius));
-  scene.overall.extend(H.at(h.max.x(), h.min.y(), h.max.z()));
-  scene.overall.extend(Eigen::Vector3d(rail.x(), back + half, L_mm));
+  const HeadFrame rest{H.R_WH, Eigen::Vector3d::Zero()};
+  scene.overall.extend(rest.at(start, -d_mm - 1.3 * radius, L_mm + 1.4 * radius));
+  scene.overall.extend(rest.at(h.max.x(), h.min.y(), h.max.z()));
 }
 
 void addLens(SceneBuilder& build, const HeadFrame& H, const LensDescription& lens, double z_mm,
@@ -163,8 +178,8 @@ std::array<Mirror, 2> mirrorsOf(const ScanHeadDescription& head, const ScanHead&
                                 const Eigen::Vector2d& mirror_rad, double size_mm) {
   const Eigen::Vector3d in = H.along(1, 0, 0);
   const Eigen::Vector3d across = H.along(0, 1, 0);
-  Mirror x{"x mirror", optics.xMirrorPlace_mm() + H.shift_mm, optics.xMirrorAxis(), {}, {}};
-  Mirror y{"y mirror", optics.yMirrorPlace_mm() + H.shift_mm, optics.yMirrorAxis(), {}, {}};
+  Mirror x{body_name::kXMirror, optics.xMirrorPlace_mm() + H.shift_mm, optics.xMirrorAxis(), {}, {}};
+  Mirror y{body_name::kYMirror, optics.yMirrorPlace_mm() + H.shift_mm, optics.yMirrorAxis(), {}, {}};
   Mirror& first = head.y_mirror_first ? y : x;
   Mirror& last = head.y_mirror_first ? x : y;
   const MirrorAlignment& of_first = head.y_mirror_first ? head.y : head.x;
@@ -205,29 +220,76 @@ std::vector<BeamPoint> withRadii(const std::vector<Eigen::Vector3d>& path, const
 
 }  // namespace
 
+namespace {
+
+// Dimensions that the head's description does not give.
+double headSize_mm(const ScanHeadDescription& head) { return std::clamp(head.mirror_spacing_mm, 8.0, 40.0); }
+
+Housing housingOf(const ScanHeadDescription& head) {
+  const double size = headSize_mm(head);
+  const double d = head.mirror_spacing_mm;
+  const double L = head.throw_mm;
+  return {{-2.6 * size, -d - 2.0 * size, L - 1.9 * size}, {4.6 * size, 2.0 * size, L + 4.2 * size}};
+}
+
+std::optional<double> lensPlane_mm(const ScanHeadDescription& head) {
+  if (!head.lens) return std::nullopt;
+  return head.throw_mm - 2.4 * headSize_mm(head);
+}
+
+// Where the tube's beam leaves it.
+Eigen::Vector3d tubesEnd(const ScanHeadDescription& head, const HeadFrame& H) {
+  return H.at(housingOf(head).min.x() - kTubeGap * tubeRadius_mm(head.throw_mm), -head.mirror_spacing_mm,
+              head.throw_mm);
+}
+
+HeadFrame headFrame(const ScanHeadDescription& head, const Eigen::Vector2d& frame_mm) {
+  HeadFrame H{Eigen::Matrix3d::Identity(), {frame_mm.x(), frame_mm.y(), 0.0}};
+  if (head.y_mirror_first) H.R_WH << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+  return H;
+}
+
+}  // namespace
+
+void addMirrorBeam(MovingScene& moving, const MachineDescription& machine) {
+  const ScanHeadDescription& head = machine.head;
+  const HeadFrame H = headFrame(head, Eigen::Vector2d::Zero());
+  const Eigen::Vector3d in = H.along(1, 0, 0);
+  const auto mirrors =
+      mirrorsOf(head, ScanHead(head, machine.beam), H, Eigen::Vector2d::Zero(), headSize_mm(head));
+  const std::optional<double> lens_z_mm = lensPlane_mm(head);
+  auto path = pathInHead(mirrors, tubesEnd(head, H), in, lens_z_mm);
+  path.emplace_back(0.0, 0.0, 0.0);
+  const std::vector<BeamPoint> points = withRadii(path, machine.beam);
+  moving.beam.push_back(
+      {BeamCorner::Kind::kRides, moving.bodyNamed(body_name::kHead), path[0], in, points[0].radius_mm});
+  for (std::size_t i = 0; i < 2; ++i) {
+    moving.beam.push_back(
+        {BeamCorner::Kind::kMirror, moving.partNamed(mirrors.at(i).name), {}, {}, points[i + 1].radius_mm});
+  }
+  if (lens_z_mm)
+    moving.beam.push_back({BeamCorner::Kind::kPlane, -1, {0, 0, *lens_z_mm}, kDown, points[3].radius_mm});
+  moving.spot_radius_mm = points.back().radius_mm;
+}
+
 void addMirrorHead(SceneBuilder& build, const MachineDescription& machine, const MachinePose& pose,
                    const ConveyorLayout& layout) {
   const ScanHeadDescription& head = machine.head;
   const ScanHead optics(head, machine.beam);
   const double L = head.throw_mm;
   const double d = head.mirror_spacing_mm;
-  const double size = std::clamp(d, 8.0, 40.0);
-  HeadFrame H{Eigen::Matrix3d::Identity(), {pose.frame_mm.x(), pose.frame_mm.y(), 0.0}};
-  if (head.y_mirror_first) H.R_WH << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+  const double size = headSize_mm(head);
+  const HeadFrame H = headFrame(head, pose.frame_mm);
   const Eigen::Vector3d in = H.along(1, 0, 0);
   const auto mirrors = mirrorsOf(head, optics, H, pose.mirror_rad, size);
   const auto& [first, last] = mirrors;
   addMirror(build, first, {0, 0, 1}, size);
   addMirror(build, last, in, size);
-  const Housing housing{{-2.6 * size, -d - 2.0 * size, L - 1.9 * size},
-                        {4.6 * size, 2.0 * size, L + 4.2 * size}};
+  const Housing housing = housingOf(head);
   addHousing(build, H, housing, size);
   addTubeAndColumn(build, H, housing, {d, L, std::max(0.75 * L, 200.0)}, layout);
-  std::optional<double> lens_z_mm;
-  if (head.lens) {
-    lens_z_mm = L - 2.4 * size;
-    addLens(build, H, *head.lens, *lens_z_mm, size);
-  }
+  const std::optional<double> lens_z_mm = lensPlane_mm(head);
+  if (lens_z_mm) addLens(build, H, *head.lens, *lens_z_mm, size);
 
   Scene& scene = build.scene();
   scene.head_labels = {{first.name, first.place_mm + Eigen::Vector3d(0, 0, 1.9 * size)},
@@ -237,8 +299,7 @@ void addMirrorHead(SceneBuilder& build, const MachineDescription& machine, const
   scene.head_view = H.along(0.78, 0.46, 0.17).normalized();
   const auto spot = optics.spotAt(pose.mirror_rad, pose.frame_mm, Surface(machine.surface), pose.time_s);
   if (!spot) return;
-  const Eigen::Vector3d start = H.at(housing.min.x() - kTubeGap * tubeRadius_mm(L), -d, L);
-  auto path = pathInHead(mirrors, start, in, lens_z_mm);
+  auto path = pathInHead(mirrors, tubesEnd(head, H), in, lens_z_mm);
   path.emplace_back(spot->p_WQ_mm.x(), spot->p_WQ_mm.y(), spot->height_mm);
   scene.beam = withRadii(path, machine.beam);
 }
