@@ -14,21 +14,29 @@ namespace kerfbench::base {
 
 namespace {
 
+// Line and column, from 1.
+struct KeyPlace {
+  int line{1};
+  int column{1};
+};
+
+KeyPlace placeAt(const YAML::Mark& mark) { return {mark.line + 1, mark.column + 1}; }
+
 // The keys of one mapping and which of them the program asked for. Outlives the reader of its section, so
 // that finish() sees every section that was ever opened.
 struct KeyBook {
   std::filesystem::path path;
   std::string prefix;
-  int line{1};
+  KeyPlace place;
   std::set<std::string, std::less<>> asked;
-  std::vector<std::pair<std::string, int>> keys;  // With their lines.
+  std::vector<std::pair<std::string, KeyPlace>> keys;
 
   [[nodiscard]] bool has(std::string_view key) const {
-    return std::ranges::find(keys, key, &std::pair<std::string, int>::first) != keys.end();
+    return std::ranges::find(keys, key, &std::pair<std::string, KeyPlace>::first) != keys.end();
   }
-  [[nodiscard]] int lineOf(std::string_view key) const {
-    const auto found = std::ranges::find(keys, key, &std::pair<std::string, int>::first);
-    return found == keys.end() ? line : found->second;
+  [[nodiscard]] KeyPlace placeOf(std::string_view key) const {
+    const auto found = std::ranges::find(keys, key, &std::pair<std::string, KeyPlace>::first);
+    return found == keys.end() ? place : found->second;
   }
 };
 
@@ -48,11 +56,6 @@ bool given(const YAML::Node& node) { return node.IsDefined() && !node.IsNull(); 
 }  // namespace
 
 struct YamlReader::File {
-  struct Fault {
-    std::filesystem::path path;
-    int line;
-    std::string message;
-  };
   std::filesystem::path
       path;  // Path of the file that was opened; a file that it extends has its own in its books.
   std::vector<Fault> faults;
@@ -76,7 +79,7 @@ struct YamlReader::Node {
         base(std::move(the_base)) {
     if (yaml.IsMap()) {
       for (const auto& entry : yaml)
-        book->keys.emplace_back(entry.first.Scalar(), entry.first.Mark().line + 1);
+        book->keys.emplace_back(entry.first.Scalar(), placeAt(entry.first.Mark()));
     }
     file->books.push_back(book);
   }
@@ -95,8 +98,9 @@ struct YamlReader::Node {
   }
   void fault(std::string_view key, std::string_view message) const {
     const KeyBook& owner = *ownerOf(key).book;
+    const KeyPlace place = owner.placeOf(key);
     file->faults.push_back(
-        {owner.path, owner.lineOf(key), fmt::format("{}{}: {}", owner.prefix, key, message)});
+        {owner.path, place.line, place.column, fmt::format("{}{}", owner.prefix, key), std::string(message)});
   }
   [[nodiscard]] bool isText(std::string_view key) const {
     const YAML::Node constant = ownerOf(key).yaml;
@@ -119,17 +123,18 @@ struct YamlReader::Node {
 
 namespace {
 
-YAML::Node loadMapping(const std::filesystem::path& path) {
+// The mapping of a file, or of `text` in its place.
+YAML::Node loadMapping(const std::filesystem::path& path, const std::string* text) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
+  if (text == nullptr && !std::filesystem::is_regular_file(path, error)) {
     throw ConfigError(fmt::format("{}: no such file", path.string()));
   }
-  if (std::filesystem::file_size(path) > (1U << 20U)) {
+  if ((text != nullptr ? text->size() : std::filesystem::file_size(path)) > (1U << 20U)) {
     throw ConfigError(fmt::format("{}: larger than 1 MiB, this is no configuration file", path.string()));
   }
   YAML::Node yaml;
   try {
-    yaml = YAML::LoadFile(path.string());
+    yaml = text != nullptr ? YAML::Load(*text) : YAML::LoadFile(path.string());
   } catch (const YAML::Exception& e) {
     throw ConfigError(fmt::format("{}:{}: {}", path.string(), e.mark.line + 1, e.msg));
   }
@@ -141,7 +146,13 @@ YAML::Node loadMapping(const std::filesystem::path& path) {
 
 YamlReader::YamlReader(std::shared_ptr<Node> node) : node_(std::move(node)) {}
 
-YamlReader YamlReader::openFile(const std::filesystem::path& path) {
+YamlReader YamlReader::openFile(const std::filesystem::path& path) { return openChain(path, nullptr); }
+
+YamlReader YamlReader::openText(const std::filesystem::path& path, const std::string& text) {
+  return openChain(path, &text);
+}
+
+YamlReader YamlReader::openChain(const std::filesystem::path& path, const std::string* text) {
   constexpr int kDeepest = 8;
   auto file = std::make_shared<File>();
   file->path = path;
@@ -151,7 +162,7 @@ YamlReader YamlReader::openFile(const std::filesystem::path& path) {
     if (chain.size() == kDeepest) {
       throw ConfigError(fmt::format("{}: extends more than {} files deep", path.string(), kDeepest));
     }
-    chain.emplace_back(next, loadMapping(next));
+    chain.emplace_back(next, loadMapping(next, chain.empty() ? text : nullptr));
     file->depend(next);
     const YAML::Node constant = chain.back().second;
     const YAML::Node extends = constant["extends"];
@@ -160,8 +171,8 @@ YamlReader YamlReader::openFile(const std::filesystem::path& path) {
   }
   std::shared_ptr<Node> node;
   for (auto it = chain.rbegin(); it != chain.rend(); ++it) {
-    node =
-        std::make_shared<Node>(file, it->second, KeyBook{it->first, "", 1, {"extends"}, {}}, std::move(node));
+    node = std::make_shared<Node>(file, it->second, KeyBook{it->first, "", {}, {"extends"}, {}},
+                                  std::move(node));
   }
   return YamlReader(std::move(node));
 }
@@ -283,7 +294,7 @@ YamlReader YamlReader::section(std::string_view key) {
   const bool is_given = given(value);
   if (is_given && !value.IsMap()) node_->fault(key, "expected 'key: value' lines under it");
   KeyBook book{
-      node_->book->path, fmt::format("{}{}.", node_->book->prefix, key), node_->book->lineOf(key), {}, {}};
+      node_->book->path, fmt::format("{}{}.", node_->book->prefix, key), node_->book->placeOf(key), {}, {}};
   return YamlReader(std::make_shared<Node>(node_->file, is_given && value.IsMap() ? value : YAML::Node(),
                                            std::move(book), std::move(below)));
 }
@@ -312,7 +323,7 @@ std::vector<YamlReader> YamlReader::list(std::string_view key) {
     const YAML::Node element = value[i];
     if (!element.IsMap()) node_->fault(key, fmt::format("element {} is not 'key: value'", i));
     const KeyBook& owner = *node_->ownerOf(key).book;
-    KeyBook book{owner.path, fmt::format("{}{}[{}].", owner.prefix, key, i), element.Mark().line + 1, {}, {}};
+    KeyBook book{owner.path, fmt::format("{}{}[{}].", owner.prefix, key, i), placeAt(element.Mark()), {}, {}};
     result.push_back(YamlReader(std::make_shared<Node>(node_->file, element.IsMap() ? element : YAML::Node(),
                                                        std::move(book), nullptr)));
   }
@@ -395,7 +406,7 @@ std::string YamlReader::placeOf(std::string_view whole_key) const {
   // What extends a file has its books after those of that file.
   for (auto book = node_->file->books.rbegin(); book != node_->file->books.rend(); ++book) {
     if ((*book)->prefix == prefix && (*book)->has(last))
-      return fmt::format("{}:{}", (*book)->path.string(), (*book)->lineOf(last));
+      return fmt::format("{}:{}", (*book)->path.string(), (*book)->placeOf(last).line);
   }
   if (dot != std::string::npos) return placeOf(key.substr(0, dot));
   return fmt::format("{}:1", path().string());
@@ -413,30 +424,34 @@ std::filesystem::path YamlReader::folderOf(std::string_view key) const {
   return std::filesystem::absolute(node_->ownerOf(key).book->path).parent_path();
 }
 
-void YamlReader::finish() {
-  std::vector<File::Fault> faults = node_->file->faults;
+std::vector<YamlReader::Fault> YamlReader::faults() const {
+  std::vector<Fault> faults = node_->file->faults;
   for (const auto& book : node_->file->books) {
     std::set<std::string, std::less<>> seen;
-    for (const auto& [key, line] : book->keys) {
+    for (const auto& [key, place] : book->keys) {
+      const auto add = [&, &key = key, &place = place](std::string message) {
+        faults.push_back({book->path, place.line, place.column, book->prefix + key, std::move(message)});
+      };
       if (!book->asked.contains(key)) {
-        faults.push_back({book->path, line,
-                          fmt::format("{}{}: unknown key (known here: {})", book->prefix, key,
-                                      fmt::join(book->asked, ", "))});
+        add(fmt::format("unknown key (known here: {})", fmt::join(book->asked, ", ")));
       } else if (!seen.insert(key).second) {
-        faults.push_back({book->path, line, fmt::format("{}{}: given twice", book->prefix, key)});
+        add("given twice");
       }
     }
   }
-  if (faults.empty()) return;
-  std::ranges::stable_sort(faults, [](const File::Fault& a, const File::Fault& b) {
+  std::ranges::stable_sort(faults, [](const Fault& a, const Fault& b) {
     return a.path != b.path ? a.path < b.path : a.line < b.line;
   });
+  return faults;
+}
+
+void YamlReader::finish() {
   std::string message;
-  for (const auto& fault : faults) {
-    message += fmt::format("{}{}:{}: {}", message.empty() ? "" : "\n", fault.path.string(), fault.line,
-                           fault.message);
+  for (const Fault& fault : faults()) {
+    message += fmt::format("{}{}:{}: {}: {}", message.empty() ? "" : "\n", fault.path.string(), fault.line,
+                           fault.key, fault.message);
   }
-  throw ConfigError(message);
+  if (!message.empty()) throw ConfigError(message);
 }
 
 }  // namespace kerfbench::base

@@ -37,6 +37,9 @@ class YamlReader {
  public:
   /// @throws ConfigError if the file is missing or no YAML mapping.
   static YamlReader openFile(const std::filesystem::path& path);
+  /// Reads a text as if it were the file `path`, which need not be there; what it extends is read from files.
+  /// @throws ConfigError as openFile().
+  static YamlReader openText(const std::filesystem::path& path, const std::string& text);
 
   struct Range {
     double min{-1e300};
@@ -92,12 +95,23 @@ class YamlReader {
   [[nodiscard]] std::vector<std::filesystem::path> inputs() const;
   /// The folder of the file that gives `key`, for file names relative to it.
   [[nodiscard]] std::filesystem::path folderOf(std::string_view key) const;
-  /// Checks for unknown keys in every section opened. @throws ConfigError listing all faults, by line.
+  /// A fault at its place in a file.
+  struct Fault {
+    std::filesystem::path path;
+    int line{};  ///< Line and column of the key, from 1.
+    int column{};
+    std::string key;  ///< With its sections: "belt.speed_mm_s".
+    std::string message;
+  };
+  /// All faults so far, by file and line, unknown keys in every section opened among them.
+  [[nodiscard]] std::vector<Fault> faults() const;
+  /// @throws ConfigError listing all faults(), if there is one.
   void finish();
 
  private:
   struct Node;
   struct File;
+  static YamlReader openChain(const std::filesystem::path& path, const std::string* text);
   explicit YamlReader(std::shared_ptr<Node> node);
   std::shared_ptr<Node> node_;
 };

@@ -200,12 +200,12 @@ twin::Fidelity fidelityFromName(const std::string& name) {
   return fromName<twin::Fidelity>(kFidelityNames, name);
 }
 
-ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
-  auto file = base::YamlReader::openFile(path);
-  ScenarioFile result;
-  Scenario& s = result.scenario;
+namespace {
+
+/// All sections, one after the other; faults stay with the reader.
+Scenario readAll(base::YamlReader& file, const fs::path& path, const ImagePath& images) {
+  Scenario s;
   s.path = fs::absolute(path).lexically_normal();
-  s.text = base::fileContent(path).value_or("");
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
     file.fault("version", "this program reads version 1");
   readName(file, s);
@@ -231,10 +231,25 @@ ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
   s.seed = static_cast<std::uint64_t>(file.integer("seed", {.min = 0, .max = 9e15, .fallback = 1.0}));
   s.imperfections = presetFromName(readChoice(file, "imperfections", kPresetNames));
   s.fidelity = fidelityFromName(readChoice(file, "twin", kFidelityNames));
-  result.keys = file.asked();
   s.inputs = file.inputs();
+  return s;
+}
+
+}  // namespace
+
+ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
+  auto file = base::YamlReader::openFile(path);
+  ScenarioFile result{readAll(file, path, images), file.asked()};
+  result.scenario.text = base::fileContent(path).value_or("");
   file.finish();
   return result;
+}
+
+ScenarioDraft draftScenario(const fs::path& path, const std::string& text, const ImagePath& images) {
+  auto file = base::YamlReader::openText(path, text);
+  ScenarioDraft draft{readAll(file, path, images), file.asked(), file.faults()};
+  draft.scenario.text = text;
+  return draft;
 }
 
 Scenario readScenario(const fs::path& path, const ImagePath& images) {

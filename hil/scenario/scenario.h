@@ -158,6 +158,17 @@ struct ScenarioFile {
   std::vector<base::YamlReader::Asked> keys;
 };
 
+/// A scenario as far as its text can be read.
+struct ScenarioDraft {
+  Scenario scenario;  ///< What is at fault has its default, or what is given nevertheless.
+  std::vector<base::YamlReader::Asked> keys;
+  std::vector<base::YamlReader::Fault> faults;  ///< Empty: the scenario is one.
+};
+/// Reads `text` as if it were the file `path`, which need not be there.
+/// @throws ConfigError only for text that is no YAML mapping, and for a file that it extends.
+ScenarioDraft draftScenario(const std::filesystem::path& path, const std::string& text,
+                            const ImagePath& images);
+
 /// @throws ConfigError with every fault, each with file and line.
 ScenarioFile readScenarioFile(const std::filesystem::path& path, const ImagePath& images);
 /// @throws ConfigError as above.

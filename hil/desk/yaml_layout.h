@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+// Private to hil/desk.
+namespace kerfbench::desk {
+
+/// A value of a YAML text with its place there, in bytes from the begin of the text.
+struct YamlPart {
+  enum class Kind { kScalar, kNull, kMap, kList };
+  struct Entry;
+
+  Kind kind{};
+  bool is_flow{};         ///< Of a mapping or list: in braces or brackets.
+  bool is_block_text{};   ///< Of a scalar: behind '|' or '>'.
+  bool is_plain{};        ///< Of a scalar: without quotes, so that 60 is a number.
+  bool has_properties{};  ///< It has an anchor or a tag.
+  std::string scalar;     ///< As it reads.
+  std::size_t begin{};    ///< Its first byte; of an empty one, where it would begin.
+  std::size_t end{};      ///< Behind its last byte, comments behind it left out.
+  std::vector<Entry> entries;
+
+  /// Entry of a mapping, or nothing. @throws base::InputError if the key is given twice.
+  [[nodiscard]] const Entry* find(std::string_view key) const;
+};
+
+struct YamlPart::Entry {
+  YamlPart key;         ///< Of a list's element: nothing.
+  std::size_t mark{};   ///< The ':' behind the key, or the '-' of an element.
+  bool has_mark{true};  ///< False for a key in braces without ':', and an element in brackets.
+  YamlPart value;
+};
+
+/// Largest text that is read.
+inline constexpr std::size_t kMostYamlBytes = std::size_t{1} << 20U;
+
+/// Layout of a text of one document without byte-order mark; an empty text is an empty mapping.
+/// @throws YAML::Exception where it is no YAML; base::InputError for what cannot be told apart again:
+/// aliases, keys that are no text, several documents, too much text.
+YamlPart layoutOf(const std::string& text);
+
+/// Value as JSON, keys in their order: plain scalars as numbers, true, false or null where they read so.
+nlohmann::ordered_json valueOf(const YamlPart& part);
+
+}  // namespace kerfbench::desk
