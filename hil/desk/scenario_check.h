@@ -14,8 +14,8 @@ namespace kerfbench::desk {
 ///     {"name", "title", "issues": [{"file", "line", "column", "severity", "message", "key"}],
 ///      "fits": bool,                                        no issue is an error
 ///      "drawing": null | {"file", "svg", "size_mm": [w, h], "min_mm": [x, y], "shown", "count",
-///        "entities": [{"id", "layer", "process", "length_mm", "line", "points_mm": [[x, y] …], "closed",
-///                      "nesting"}],
+///        "entities": [{"id", "layer", "process", "length_mm", "line", "origin", "points_mm": [[x, y] …],
+///                      "closed", "left_out"}],                left_out: its process, were it selected
 ///        "findings": [{"kind", "severity", "message", "where_mm": [x, y], "entities": [id …], "line",
 ///                      "accepted"}],
 ///        "layers": [{"name", "process", "count", "length_mm"}], "notes": [text]},

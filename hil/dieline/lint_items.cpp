@@ -193,8 +193,11 @@ LintFinding LintStore::inWords(const LintRaw& raw) const {
       message = fmt::format("The cut outline with {} is open: {} loose end(s), one at ({:.3f}, {:.3f}) mm.",
                             label(a), raw.other, raw.p_mm.x(), raw.p_mm.y());
   }
-  return {raw.kind,           raw.is_error,        raw.p_mm,   a.entity->layer,
-          std::move(message), raw.may_be_accepted, raw.size_mm};
+  std::vector<int> entities{a.entity->id};
+  if (raw.kind == Kind::kDuplicate || raw.kind == Kind::kOverlap || raw.kind == Kind::kGap)
+    entities.push_back(items_[raw.other].entity->id);
+  return {raw.kind,           raw.is_error,        raw.p_mm,    a.entity->layer,
+          std::move(message), raw.may_be_accepted, raw.size_mm, std::move(entities)};
 }
 
 LintReport LintStore::report() && {

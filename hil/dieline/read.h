@@ -109,6 +109,8 @@ struct LintFinding {
   /// True where nothing but lines that are not cut is wrong, or such a line on a cut: that may be accepted.
   bool may_be_accepted{};
   double size_mm{};  ///< Length that is wrong, mm; the larger, the worse.
+  /// Ids of the entities that the message names, in its order; none where it is of the drawing as a whole.
+  std::vector<int> entities{};
 };
 /// The worst findings, and how many there are of each kind.
 struct LintReport {

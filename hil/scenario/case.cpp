@@ -42,9 +42,7 @@ void refuseUnfit(dieline::Dieline& dieline, const std::set<dieline::LintFinding:
 
 /// With a selection, what is not selected still tells outlines from holes, so all of the drawing must be fit.
 void refuseUnfitNesting(const Scenario& scenario, dieline::Dieline whole, const base::ProgressFn& progress) {
-  const bool counts =
-      scenario.limits.edge != inspect::Tolerances::Edge::kCentre || scenario.job.kerf_radius_mm > 0.0;
-  if (!counts || scenario.selection.all()) return;
+  if (!needsWholeDrawing(scenario)) return;
   for (dieline::Entity& entity : whole.entities) entity.process = dieline::drawnFor(entity);
   try {
     refuseUnfit(whole, scenario.accepted, progress);
@@ -104,6 +102,12 @@ void refuseLacking(const Case& test_case) {
 
 }  // namespace
 
+bool needsWholeDrawing(const Scenario& scenario) {
+  const bool counts =
+      scenario.limits.edge != inspect::Tolerances::Edge::kCentre || scenario.job.kerf_radius_mm > 0.0;
+  return counts && !scenario.selection.all();
+}
+
 void refuseUnwired(const Case& test_case) {
   refuseLacking(test_case);
   const FirmwareChoice& firmware = test_case.scenario.firmware;
@@ -118,8 +122,12 @@ void refuseUnwired(const Case& test_case) {
 
 Case readCase(const std::filesystem::path& scenario, const ImagePath& images,
               const base::ProgressFn& progress) {
+  return caseOf(readScenario(scenario, images), progress);
+}
+
+Case caseOf(Scenario scenario, const base::ProgressFn& progress) {
   Case test_case;
-  test_case.scenario = readScenario(scenario, images);
+  test_case.scenario = std::move(scenario);
   const machine_file::MachineFile file = machine_file::readMachineFile(test_case.scenario.machine);
   test_case.machine = file.machine;
   test_case.spread = file.spread;

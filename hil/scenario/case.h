@@ -33,6 +33,8 @@ struct Case {
 /// `progress` is told of a drawing that takes long.
 Case readCase(const std::filesystem::path& scenario, const ImagePath& images,
               const base::ProgressFn& progress = {});
+/// The same of a scenario that is read already, and good.
+Case caseOf(Scenario scenario, const base::ProgressFn& progress = {});
 /// With the release that the scenario names.
 inline Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir) {
   return readCase(scenario, ImagePath{firmware_dir});
@@ -41,6 +43,9 @@ inline Case readCase(const std::filesystem::path& scenario, const std::filesyste
 /// @throws ConfigError for a scenario that asks of its machine what that has not: a pin, a feed, on real pins
 /// the lines.
 void refuseUnwired(const Case& test_case);
+
+/// True where what is not selected counts for inside and outside, so that all of the drawing must be fit.
+bool needsWholeDrawing(const Scenario& scenario);
 
 /// The machine that runs: around its description, as far as the scenario's preset and seed take it.
 /// @throws ConfigError if the seed gives a machine that the twin cannot run.

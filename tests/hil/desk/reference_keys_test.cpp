@@ -57,11 +57,12 @@ std::map<std::string, base::YamlReader::Asked> askedIn(
   return asked;
 }
 
-std::map<std::string, base::YamlReader::Asked> askedOfScenarios() {
-  return askedIn("scenarios", [](const fs::path& file) {
+const std::map<std::string, base::YamlReader::Asked>& askedOfScenarios() {
+  static const auto kAsked = askedIn("scenarios", [](const fs::path& file) {
     return scenario::draftScenario(file, base::contentOf(file), {fs::path(KERFBENCH_BINARY_DIR) / "firmware"})
         .keys;
   });
+  return kAsked;
 }
 
 std::map<std::string, base::YamlReader::Asked> askedOfMachines() {

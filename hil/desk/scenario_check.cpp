@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/desk/scenario_check.h"
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "firmware_under_test/planner/head/correction.h"
+#include "firmware_under_test/planner/job/job.h"
+#include "firmware_under_test/planner/program/selection.h"
+#include "hil/base/input_error.h"
+#include "hil/base/yaml_reader.h"
+#include "hil/desk/desk_issue.h"
+#include "hil/desk/drawing_json.h"
+#include "hil/desk/json_text.h"
+#include "hil/desk/scenario_values.h"
+#include "hil/machine_file/machine_check.h"
+#include "hil/machine_file/machine_file.h"
+#include "hil/run/controller_fit.h"
+#include "hil/scenario/case.h"
+#include "hil/scenario/scenario.h"
+
+namespace kerfbench::desk {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Findings of each kind that an answer has.
+constexpr std::size_t kMostFindings = 500;
+
+/// One check of one text; what is found is kept, and what follows from a fault is left out.
+class TextCheck {
+ public:
+  TextCheck(const ScenarioText& scenario, const DeskRequest& request)
+      : scenario_(scenario), request_(request) {
+    if (!isReadable()) return;
+    tryTo([&] { readValues(); });
+    tryTo([&] { readText(); });
+    if (!draft_) return;
+    readMachine();
+    if (issues_.empty()) tryTo([&] { checkTogether(); });
+    tryTo([&] { readDrawing(); });
+  }
+
+  [[nodiscard]] std::string answer() && {
+    bool fits = draft_.has_value() && !drawing_.is_null() && !machine_.is_null() && !has_bad_finding_;
+    for (const DeskIssue& issue : issues_) fits = fits && !issue.is_error;
+    json all{{"name", draft_ ? draft_->scenario.name : std::string()},
+             {"title", draft_ ? draft_->scenario.title : std::string()},
+             {"fits", fits},
+             {"issues", jsonOf(issues_, request_)},
+             {"values", json(values_.all)},
+             {"own", values_.own}};
+    all["drawing"] = std::move(drawing_);
+    all["machine"] = std::move(machine_);
+    return jsonText(all);
+  }
+
+ private:
+  /// What an action throws about files of the user's becomes issues.
+  template <typename Do>
+  bool tryTo(const Do& action) {
+    const auto note = [&](const std::exception& error) {
+      for (DeskIssue& issue : issuesIn(error.what(), scenario_)) issues_.push_back(std::move(issue));
+      return false;
+    };
+    try {
+      action();
+      return true;
+    } catch (const base::ConfigError& error) {
+      return note(error);
+    } catch (const dieline::DielineError& error) {
+      return note(error);
+    } catch (const base::InputError& error) {
+      return note(error);
+    } catch (const planner::PlanError& error) {
+      return note(error);
+    }
+  }
+
+  [[nodiscard]] std::string nameOf(const fs::path& file) const {
+    return request_.name_of ? request_.name_of(file) : file.string();
+  }
+
+  /// Whether the text is YAML at all; if not, where it is not.
+  bool isReadable() {
+    try {
+      (void)YAML::Load(scenario_.text);
+      return true;
+    } catch (const YAML::Exception& error) {
+      issues_.push_back({.line = error.mark.line + 1, .column = error.mark.column + 1, .message = error.msg});
+      return false;
+    }
+  }
+
+  void readValues() {
+    try {
+      values_ = valuesOf(scenario_);
+    } catch (const YAML::Exception& error) {
+      throw base::ConfigError(fmt::format("extends: {}", error.what()));
+    } catch (const base::InputError& error) {
+      // Such a text is a scenario all the same.
+      issues_.push_back({.is_error = false, .message = error.what()});
+    }
+  }
+
+  void readText() {
+    draft_ = scenario::draftScenario(scenario_.file, scenario_.text,
+                                     {request_.bin_dir.parent_path() / "firmware"});
+    for (DeskIssue& issue : issuesOf(draft_->faults, scenario_)) issues_.push_back(std::move(issue));
+  }
+
+  void readMachine() {
+    if (draft_->scenario.machine.empty()) return;
+    if (!tryTo([&] { file_ = machine_file::readMachineFile(draft_->scenario.machine); })) return;
+    const twin::MachineDescription& machine = file_->machine;
+    const auto& told = machine.controller;
+    const bool is_gantry = machine.kind == twin::MachineDescription::Kind::kGantry;
+    machine_ = {{"file", nameOf(draft_->scenario.machine)},
+                {"name", machine.name},
+                {"kind", is_gantry                    ? "gantry"
+                         : told.focal_length_mm > 0.0 ? "f-theta"
+                                                      : "two-mirror"},
+                {"field", {{"min_mm", told.field_min_mm}, {"max_mm", told.field_max_mm}}},
+                {"full_power_w", told.full_power_w},
+                {"tracking_delay_s", told.tracking_delay_s},
+                {"feeds", told.feed_step_mm > 0.0}};
+  }
+
+  /// What scenario and machine ask of each other.
+  void checkTogether() {
+    scenario::Case both;
+    both.scenario = draft_->scenario;
+    both.machine = file_->machine;
+    both.spread = file_->spread;
+    scenario::refuseUnwired(both);
+    run::refuseUnfitController(both, request_.bin_dir);
+    machine_file::refuseUnfit(*file_, scenario::webOf(both));
+  }
+
+  void readDrawing() {
+    const scenario::Scenario& of = draft_->scenario;
+    if (of.dieline.empty()) return;
+    dieline::DrawingOptions options = of.drawing;
+    options.progress = request_.progress;
+    dieline::Dieline drawing = dieline::readDieline(of.dieline, options);
+    const dieline::Dieline whole = scenario::needsWholeDrawing(of) ? drawing : dieline::Dieline{};
+    const bool is_selected = tryTo([&] { planner::select(drawing, of.selection); });
+    if (!is_selected) issues_.back().key = "select";
+    const dieline::LintReport lint =
+        dieline::lintDieline(whole.entities.empty() ? drawing : whole, kMostFindings, request_.progress);
+    for (const dieline::LintFinding& finding : lint.findings)
+      has_bad_finding_ = has_bad_finding_ || (finding.is_error && !dieline::isAccepted(finding, of.accepted));
+    drawing_ = drawingJson(drawing, lint, of.accepted);
+    drawing_["file"] = nameOf(of.dieline);
+  }
+
+  const ScenarioText& scenario_;
+  const DeskRequest& request_;
+  std::vector<DeskIssue> issues_;
+  ScenarioValues values_;
+  std::optional<scenario::ScenarioDraft> draft_;
+  std::optional<machine_file::MachineFile> file_;
+  json drawing_, machine_;
+  bool has_bad_finding_{};
+};
+
+}  // namespace
+
+std::string checkJson(const ScenarioText& scenario, const DeskRequest& request) {
+  return TextCheck(scenario, request).answer();
+}
+
+}  // namespace kerfbench::desk
