@@ -151,10 +151,23 @@ Vector2d Axes::wakesAt() const {
   return correction() == nullptr ? Vector2d::Zero() : placeAt(Vector2d::Zero());
 }
 
-Vector2d Axes::placeAt(const Vector2d& steps) const {
+Vector2d Axes::exactPlaceAt(const Vector2d& steps, const Vector2d& near_W_mm) const {
+  // From a thousandth of a step on Newton's next steps leave but the rounding of numbers.
+  constexpr int kMostSteps = 8;
+  constexpr double kRounding_mm = 1e-12;
+  Vector2d p_W_mm = placeAt(steps, near_W_mm);
+  for (int i = 0; i < kMostSteps; ++i) {
+    const Vector2d change = stepsPerMm(p_W_mm).inverse() * (stepsAt(p_W_mm) - steps);
+    p_W_mm -= change;
+    if (change.cwiseAbs().maxCoeff() < kRounding_mm) break;
+  }
+  return p_W_mm;
+}
+
+Vector2d Axes::placeAt(const Vector2d& steps, const Vector2d& near_W_mm) const {
   constexpr int kMostTries = 20;
   constexpr double kSteps = 1e-3;
-  Vector2d p_W_mm = Vector2d::Zero();
+  Vector2d p_W_mm = near_W_mm;
   for (int i = 0; i < kMostTries; ++i) {
     const Vector2d off = stepsAt(p_W_mm) - steps;
     if (off.cwiseAbs().maxCoeff() < kSteps) return p_W_mm;

@@ -20,8 +20,14 @@ class Axes {
   /// Beam position at power-on, with all axes at step zero: W's origin, or with a correction table the place
   /// that needs no steps. @throws PlanError if there is none.
   [[nodiscard]] Eigen::Vector2d wakesAt() const;
-  /// Place of the beam at these steps. @throws PlanError if the correction table has none.
-  [[nodiscard]] Eigen::Vector2d placeAt(const Eigen::Vector2d& steps) const;
+  /// Place of the beam at these steps, to a thousandth of a step, looked for from a place near it.
+  /// @throws PlanError if the correction table has none.
+  [[nodiscard]] Eigen::Vector2d placeAt(const Eigen::Vector2d& steps,
+                                        const Eigen::Vector2d& near_W_mm = Eigen::Vector2d::Zero()) const;
+  /// The same to 1e-10 mm of the head's formula, and to 1e-9 mm with a correction table.
+  /// @throws PlanError as above.
+  [[nodiscard]] Eigen::Vector2d exactPlaceAt(const Eigen::Vector2d& steps,
+                                             const Eigen::Vector2d& near_W_mm) const;
   /// Derivative d(x steps)/d(x_W) at p_W, 1/mm.
   [[nodiscard]] double xStepsPerMm(const Eigen::Vector2d& p_W_mm) const;
   /// Highest path speed on the sheet along a unit vector at which no axis exceeds its step budget while the

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "firmware_under_test/planner/program/check.h"
 #include "firmware_under_test/planner/program/job_issues.h"
 #include "firmware_under_test/planner/program/program.h"
+#include "firmware_under_test/planner/program/unit_motion.h"
 #include "hil/base/text.h"
 #include "page_files.h"
 
@@ -24,8 +26,8 @@ namespace {
 using Eigen::Vector2d;
 using nlohmann::json;
 
-/// Number of periods above which they are thinned: 160 s at 0.8 ms keep the page below 4 MB.
-constexpr std::size_t kMostSamples = 200'000;
+/// Number of periods above which they are thinned: 160 s at 0.8 ms keep the page below 8 MB.
+constexpr std::size_t kMostPeriods = 200'000;
 
 /// JSON inside <script>: no "<" that could end it or begin a comment. Bytes that are not UTF-8 become U+FFFD.
 std::string scriptSafe(const json& value) {
@@ -51,71 +53,108 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
-/// One unit period by period, waits included.
-struct Film {
-  std::vector<Sample> samples;  ///< Samples; the first is the start.
-  double period_s{};
+/// End of a period of the film.
+struct Picture {
+  Vector2d p_S_mm{Vector2d::Zero()};
+  double planned_mm{};  ///< Way over the sheet since the picture before, as planned.
+  int power{};          ///< Share of full power, in 255ths; 0: dark.
+  int line{};
 };
 
-Film filmOf(const UnitPath& unit, const std::vector<int>& waits) {
-  Film film;
-  film.period_s = unit.period_s;
-  film.samples.push_back({unit.start_S_mm, 0.0, 0});
-  for (std::size_t i = 0; i < unit.blocks.size(); ++i) {
-    const Block& block = unit.blocks[i];
-    const int wait = i < waits.size() ? waits[i] : 0;
-    const Sample resting{film.samples.back().p_S_mm, 0.0, block.samples.front().line};
-    film.samples.insert(film.samples.end(), std::size_t(wait), resting);
-    film.samples.insert(film.samples.end(), block.samples.begin(), block.samples.end());
-  }
-  const std::size_t stride = film.samples.size() / kMostSamples + 1;
+/// One unit period by period, waits included.
+struct Film {
+  std::vector<Picture> pictures;  ///< The first is the start.
+  double period_s{};
+  std::size_t catch_up{};  ///< How many pictures, the start left out, bring the beam to the sheet's speed.
+};
+
+double fullPower(const MachineParameters& machine, const JobParameters& job) {
+  return job.power ? job.power->laser().most_w : machine.full_power_w;
+}
+
+/// Share of full power of a PWM byte. A gate that is open shines, however little.
+int shareOf(double byte, const MachineParameters& machine, const JobParameters& job) {
+  byte = std::min(byte, 255.0);
+  const double share =
+      job.power ? 255.0 * job.power->powerOf(static_cast<std::uint8_t>(byte)) / fullPower(machine, job)
+                : byte;
+  return static_cast<int>(std::max(1L, std::lround(share)));
+}
+
+/// Leaves out periods of a film that is too long; ways add up, and the light of what is left out counts.
+Film thinned(const Film& film) {
+  const std::size_t stride = film.pictures.size() / kMostPeriods + 1;
   if (stride == 1) return film;
-  Film thin;
-  thin.period_s = film.period_s * static_cast<double>(stride);
-  for (std::size_t i = 0; i + 1 < film.samples.size(); i += stride) thin.samples.push_back(film.samples[i]);
-  thin.samples.push_back(film.samples.back());
+  Film thin{.pictures = {film.pictures.front()},
+            .period_s = film.period_s * static_cast<double>(stride),
+            .catch_up = film.catch_up / stride};
+  double way_mm = 0.0;
+  for (std::size_t i = 1; i < film.pictures.size(); ++i) {
+    way_mm += film.pictures[i].planned_mm;
+    if (i % stride != 0 && i + 1 != film.pictures.size()) continue;
+    thin.pictures.push_back(film.pictures[i]);
+    thin.pictures.back().planned_mm = std::exchange(way_mm, 0.0);
+  }
   return thin;
 }
 
-/// Differences in units of the G-code's last decimal.
+/// What the program does.
+Film filmOf(const UnitMotion& motion, const MachineParameters& machine, const JobParameters& job) {
+  Film film{.period_s = motion.period_s, .catch_up = static_cast<std::size_t>(motion.catch_up)};
+  const UnitPeriod* before = &motion.start;
+  film.pictures.push_back({.p_S_mm = before->p_S_mm});
+  for (const UnitPeriod& period : motion.periods) {
+    film.pictures.push_back({.p_S_mm = period.p_S_mm,
+                             .planned_mm = (period.planned_S_mm - before->planned_S_mm).norm(),
+                             .power = period.power ? shareOf(*period.power, machine, job) : 0,
+                             .line = period.line});
+    before = &period;
+  }
+  return thinned(film);
+}
+
+/// What is planned, where there is no program.
+Film filmOf(const UnitPath& unit, const MachineParameters& machine, const JobParameters& job) {
+  Film film{.period_s = unit.period_s};
+  film.pictures.push_back({.p_S_mm = unit.start_S_mm});
+  for (const Block& block : unit.blocks) {
+    for (const Sample& sample : block.samples) {
+      const bool is_lit = sample.marked_mm > 0.0;
+      film.pictures.push_back({.p_S_mm = sample.p_S_mm,
+                               .planned_mm = (sample.p_S_mm - film.pictures.back().p_S_mm).norm(),
+                               .power = is_lit ? shareOf(powerByte(sample, machine, job), machine, job) : 0,
+                               .line = sample.line});
+    }
+  }
+  return thinned(film);
+}
+
+/// Differences in units of 1e-9 mm, which add up without rounding.
 json differences(const Film& film, int axis) {
   json list = json::array();
-  long before = 0;
-  for (const Sample& sample : film.samples) {
-    const long now = std::lround(sample.p_S_mm[axis] * 1e4);
+  long long before = 0;
+  for (const Picture& picture : film.pictures) {
+    const long long now = std::llround(picture.p_S_mm[axis] * 1e9);
     list.push_back(now - before);
     before = now;
   }
   return list;
 }
 
-double fullPower(const MachineParameters& machine, const JobParameters& job) {
-  return job.power ? job.power->laser().most_w : machine.full_power_w;
-}
-
-json powersOf(const Film& film, const MachineParameters& machine, const JobParameters& job) {
+template <typename Value>
+json listOf(const Film& film, const Value& value) {
   json list = json::array();
-  for (const Sample& sample : film.samples) {
-    long share = 0;  // Share of full power, in 255ths.
-    if (sample.marked_mm > 0.0) {
-      const double byte = std::min(powerByte(sample, machine, job), 255.0);
-      share = std::lround(job.power ? 255.0 * job.power->powerOf(static_cast<std::uint8_t>(byte)) /
-                                          fullPower(machine, job)
-                                    : byte);
-      share = std::max(1L, share);
-    }
-    list.push_back(share);
-  }
+  for (const Picture& picture : film.pictures) list.push_back(value(picture));
   return list;
 }
 
 /// Runs as [line, number of periods]…
 json runsOf(const Film& film) {
   json list = json::array();
-  for (std::size_t i = 1; i < film.samples.size();) {
+  for (std::size_t i = 1; i < film.pictures.size();) {
     std::size_t end = i;
-    while (end < film.samples.size() && film.samples[end].line == film.samples[i].line) ++end;
-    list.push_back({film.samples[i].line, end - i});
+    while (end < film.pictures.size() && film.pictures[end].line == film.pictures[i].line) ++end;
+    list.push_back({film.pictures[i].line, end - i});
     i = end;
   }
   return list;
@@ -144,7 +183,7 @@ std::optional<UnitPath> nearestMotion(const std::vector<Segment>& path, const Jo
   return unit ? unit : planUnit(path, job, axes, 0.0);
 }
 
-std::string listOf(const CheckResult& checked) {
+std::string faultList(const CheckResult& checked) {
   std::string items;
   for (const std::string& error : checked.errors) items += "<li>" + base::escapeHtml(error) + "</li>";
   for (const std::string& warning : checked.warnings)
@@ -165,55 +204,71 @@ std::string factsOf(const JobParameters& job, double duration_s, double shown_sp
          fmt::format(" · marks to {:g} mm/s, jumps to {:g} mm/s", job.mark_speed_mm_s, job.jump_speed_mm_s);
 }
 
+/// The film, and what the page says of the sheet beside it.
+struct Shown {
+  Film film;
+  double belt_mm_s{};
+  json field{};  ///< Reach of the beam; null where there is no program.
+};
+
+Shown shownOf(const CheckResult& checked, const std::string& gcode, const MachineParameters& machine,
+              const JobParameters& job, const PlannerFaults& faults) {
+  const Axes axes(machine, faults);
+  if (!checked.solution) {
+    const std::optional<UnitPath> unit = nearestMotion(unitOf(readGcode(gcode)), job, axes);
+    if (!unit) throw PlanError("the axes allow no motion at all");
+    return {.film = filmOf(*unit, machine, job), .belt_mm_s = unit->belt_speed_mm_s};
+  }
+  // The first unit's steps do not depend on the units behind it, but where they are chosen together with what
+  // follows, for rotors that swing.
+  JobParameters sent = job;
+  if (machine.steppers.resonance_hz <= 0.0) sent.units = 1;
+  const Program program = planFromChecked(checked, gcode, machine, sent, faults).program;
+  const UnitMotion motion = unitMotion(program, 0, *checked.solution, machine, job, axes);
+  return {
+      .film = filmOf(motion, machine, job),
+      .belt_mm_s = motion.belt_mm_s,
+      .field = {{"beta_mm", motion.x_ref_mm}, {"min", machine.field_min_mm}, {"max", machine.field_max_mm}}};
+}
+
 }  // namespace
 
 std::string previewHtml(const std::string& title, const std::string& gcode, const MachineParameters& machine,
-                        const JobParameters& job) {
+                        const JobParameters& job, const PlannerFaults& faults) {
   const std::vector<Segment> path = unitOf(readGcode(gcode));
-  if (const auto faults = jobIssues(machine, job); !faults.empty()) {
-    throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
+  if (const auto issues = jobIssues(machine, job); !issues.empty()) {
+    throw PlanError(fmt::format("{}", fmt::join(issues, "\n")));
   }
-  const CheckResult checked = checkJob(gcode, machine, job);
-  const Axes axes(machine, {});
-  const std::optional<UnitPath> unit =
-      checked.solution ? checked.solution->pathOf(0) : nearestMotion(path, job, axes);
-  if (!unit) throw PlanError("the axes allow no motion at all");
-  const double v = unit->belt_speed_mm_s;
-  const Film film =
-      filmOf(*unit, checked.solution ? checked.solution->layoutOf(0).waits : std::vector<int>());
+  const CheckResult checked = checkJob(gcode, machine, job, faults);
+  const Shown shown = shownOf(checked, gcode, machine, job, faults);
+  const Film& film = shown.film;
 
-  json data{{"period_s", film.period_s},
-            {"full_power_w", fullPower(machine, job)},
-            {"belt_mm_s", v},
-            {"x", differences(film, 0)},
-            {"y", differences(film, 1)},
-            {"power", powersOf(film, machine, job)},
-            {"runs", runsOf(film)},
-            {"segments", segmentsOf(path)},
-            {"lines", linesOf(gcode)},
-            {"field", nullptr}};
-  if (checked.solution) {
-    const UnitLayout& layout = checked.solution->layoutOf(0);
-    const double before_s =
-        layout.catch_up_periods * axes.periodS() + (v > 0.0 ? machine.tracking_delay_s : 0.0);
-    data["field"] = {{"beta_mm", layout.x_ref_mm + v * before_s},
-                     {"min", machine.field_min_mm},
-                     {"max", machine.field_max_mm}};
-  }
+  const json data{{"period_s", film.period_s},
+                  {"full_power_w", fullPower(machine, job)},
+                  {"belt_mm_s", shown.belt_mm_s},
+                  {"catch_up", film.catch_up},
+                  {"x", differences(film, 0)},
+                  {"y", differences(film, 1)},
+                  {"way_nm", listOf(film, [](const Picture& p) { return std::llround(p.planned_mm * 1e6); })},
+                  {"power", listOf(film, [](const Picture& p) { return p.power; })},
+                  {"runs", runsOf(film)},
+                  {"segments", segmentsOf(path)},
+                  {"lines", linesOf(gcode)},
+                  {"field", shown.field}};
   const bool fits = checked.errors.empty();
-  const double duration_s = static_cast<double>(film.samples.size() - 1) * film.period_s;
+  const double duration_s = static_cast<double>(film.pictures.size() - 1) * film.period_s;
   std::string body(kPageHtml);
   replace(body, "%VERDICT_CLASS%", fits ? "pass" : "fail");
   replace(body, "%VERDICT%", fits ? "fits" : "does not fit");
-  replace(body, "%WRONG%", listOf(checked));
-  replace(body, "%FACTS%", base::escapeHtml(factsOf(job, duration_s, v)));
+  replace(body, "%WRONG%", faultList(checked));
+  replace(body, "%FACTS%", base::escapeHtml(factsOf(job, duration_s, shown.belt_mm_s)));
   replace(
       body, "%FIELD_KEY%",
       checked.solution ? "<span class=key><i class=fieldbox></i>reach of the beam on the sheet</span>" : "");
+  const double period_s = machine.target.periodS();
   replace(body, "%NOTE%",
-          film.period_s > axes.periodS()
-              ? fmt::format("Every {:.0f}th period is drawn.", film.period_s / axes.periodS())
-              : std::string());
+          film.period_s > period_s ? fmt::format("Every {:.0f}th period is drawn.", film.period_s / period_s)
+                                   : std::string());
   replace(body, "%TITLE%", base::escapeHtml(title));
   std::string page =
       "<!DOCTYPE html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "

@@ -142,7 +142,11 @@ std::string makeGcode(const dieline::Dieline& dieline, const MachineParameters& 
 
 Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,
                    const PlannerFaults& faults) {
-  const CheckResult checked = checkJob(gcode, machine, job, faults);
+  return planFromChecked(checkJob(gcode, machine, job, faults), gcode, machine, job, faults);
+}
+
+Plan planFromChecked(const CheckResult& checked, const std::string& gcode, const MachineParameters& machine,
+                     const JobParameters& job, const PlannerFaults& faults) {
   if (!checked.solution) throw PlanError(fmt::format("{}", fmt::join(checked.errors, "\n")));
   const std::vector<Segment> path = unitOf(readGcode(gcode));
   const Axes axes(machine, faults);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,12 +11,23 @@
 
 namespace kerfbench::planner {
 
+struct CheckResult;  // Defined in planner/program/check.h.
+
+/// Operations of a program by their number: from `begin` up to `end`, which is not one of them.
+struct OpRange {
+  std::size_t begin{};
+  std::size_t end{};
+};
+
 /// Program for the UART.
 struct Program {
   std::vector<std::uint8_t> config;            ///< KB_CONFIG payload.
   std::vector<std::vector<std::uint8_t>> ops;  ///< Whole operations, in order.
   std::vector<std::uint8_t> power{};           ///< KB_POWER payload; empty: no loop on the power.
   Target target{};                             ///< The controller.
+  /// Operations of each unit, from the first period in which the beam catches up with the sheet to the last
+  /// of its marks; without the moves between units. Not sent.
+  std::vector<OpRange> units{};
 };
 
 struct Plan {
@@ -40,6 +52,9 @@ std::string makeGcode(const dieline::Dieline& dieline, const MachineParameters& 
 /// Plans the program of all units from the G-code of one. @throws PlanError with line numbers.
 Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,
                    const PlannerFaults& faults = {});
+/// The same of a job that was checked: `checked` is of this G-code, machine and job.
+Plan planFromChecked(const CheckResult& checked, const std::string& gcode, const MachineParameters& machine,
+                     const JobParameters& job, const PlannerFaults& faults = {});
 /// Plans a dieline: G-code and program. @throws PlanError.
 Plan plan(const dieline::Dieline& dieline, const MachineParameters& machine, const JobParameters& job,
           const PlannerFaults& faults = {});

@@ -190,7 +190,8 @@ class UnitWriter {
              const PlannerFaults& faults, double period_s)
       : writer_(writer), web_(web), machine_(machine), job_(job), faults_(faults), period_s_(period_s) {}
 
-  void write(const Solution& solution, int unit) {
+  /// Returns the operations of the unit's own periods.
+  OpRange write(const Solution& solution, int unit) {
     const UnitPath path = faults_.constant_power
                               ? withConstantPower(solution.pathOf(unit), job_.mark_speed_mm_s, period_s_)
                               : solution.pathOf(unit);
@@ -206,9 +207,12 @@ class UnitWriter {
       writer_.reposition(layout.park_W_mm, v_now_mm_s_);
       while (writer_.feedsPitch()) writer_.hold(1);
     }
+    const std::size_t begin = writer_.operations();
     writeUnit(writer_, path, layout, layout.x_ref_mm, web_.seen_mm_s, machine_.tracking_delay_s);
+    const OpRange range{begin, writer_.operations()};
     if (web_.follows) writer_.follow(false);
     v_now_mm_s_ = web_.seen_mm_s;
+    return range;
   }
 
   void finish() {
@@ -268,7 +272,7 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
   if (job.power_loop) program.power = powerLoopPayload(machine, job, laserDelay(machine));
   Writer writer(axes, machine, job, web.v_mm_s);
   UnitWriter units(writer, web, machine, job, faults, axes.periodS());
-  for (int unit = 0; unit < job.units; ++unit) units.write(solution, unit);
+  for (int unit = 0; unit < job.units; ++unit) program.units.push_back(units.write(solution, unit));
   units.finish();
   program.ops = writer.finish();
   return program;

@@ -39,6 +39,9 @@ class Writer {
   [[nodiscard]] double feedMm() const { return feed_mm_; }
   [[nodiscard]] const Eigen::Vector2d& at() const { return p_W_mm_; }
 
+  /// How many operations there are so far.
+  [[nodiscard]] std::size_t operations() const { return entries_.size(); }
+
   /// All operations, the end of the program included. @throws PlanError if an axis would have to make more
   /// steps in a period than the controller can, or to turn round faster than its drive can.
   std::vector<Payload> finish();

@@ -14,7 +14,6 @@ namespace kerfbench::planner::test {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kT = 0.8e-3;
 
 /// Place of the beam by Cheng et al. 2014, eq. 1.
 Vector2d beamAt(const int* steps, const MachineParameters& m) {
@@ -76,7 +75,8 @@ Played play(const Program& program, const MachineParameters& m, const JobParamet
       // The beam is where the steps put it one tracking delay later, so the sheet has gone on by that much.
       const double late = job.stop_and_go ? 0.0 : job.belt_speed_mm_s * m.tracking_delay_s;
       const double before = web_x;
-      web_x += job.feed_by_controller ? feed * m.feed_step_mm : job.belt_speed_mm_s * kT;
+      web_x +=
+          job.feed_by_controller ? feed * m.feed_step_mm : job.belt_speed_mm_s * program.target.periodS();
       period.from_S_mm = period.from_W_mm - Vector2d(before + late, 0.0);
       period.to_S_mm = period.to_W_mm - Vector2d(web_x + late, 0.0);
       period.following = following;

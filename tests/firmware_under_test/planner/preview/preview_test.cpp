@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -34,10 +35,11 @@ Motion playedBy(const std::string& page) {
   const std::size_t from = page.find(begin) + begin.size();
   const auto data = nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
   Motion motion;
-  Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();
+  long long x = 0, y = 0;  // In units of 1e-9 mm.
   for (std::size_t i = 0; i < data["x"].size(); ++i) {
-    at_mm += Eigen::Vector2d(data["x"][i], data["y"][i]) * 1e-4;
-    motion.place_mm.push_back(at_mm);
+    x += data["x"][i].get<long long>();
+    y += data["y"][i].get<long long>();
+    motion.place_mm.push_back(1e-9 * Eigen::Vector2d(static_cast<double>(x), static_cast<double>(y)));
     motion.burns.push_back(data["power"][i] > 0);
   }
   return motion.burnt();
@@ -78,7 +80,17 @@ TEST_P(Preview, PlaysThePeriodsOfTheProgram) {
   double farthest_mm = 0.0;
   for (std::size_t i = 0; i < sent.place_mm.size(); ++i)
     farthest_mm = std::max(farthest_mm, (shown.place_mm[i] - sent.place_mm[i]).norm());
-  EXPECT_LT(farthest_mm, 0.02);  // A step of both mirrors is 0.018 mm.
+  EXPECT_LT(farthest_mm, 1e-9);
+}
+
+TEST(PreviewPage, AJobThatDoesNotFitIsShownAsPlanned) {
+  const MachineParameters machine = test::twoMirror();
+  JobParameters job = test::mirrorJob();
+  const Plan good = planner::plan(test::label(), machine, job);
+  job.belt_speed_mm_s = 5000.0;
+  const std::string page = previewHtml("job", good.gcode, machine, job);
+  EXPECT_THAT(page, testing::HasSubstr("does not fit"));
+  EXPECT_FALSE(playedBy(page).place_mm.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Jobs, Preview,
