@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page on which a job is made and started.
-import { getJson } from '../shared/api.js';
+// @ts-check
+import { createStore } from '../shared/store.js';
+import { createActions } from './actions.js';
+import { mountPage } from './page.js';
+import { initialState } from './state.js';
 
-const session = await getJson('/api/session');
-document.title = `Kerfbench ${session.version}`;
+const store = createStore(initialState());
+const actions = createActions(store);
+mountPage(/** @type {Element} */ (document.getElementById('job')), store, actions);
+actions.begin(new URLSearchParams(location.hash.slice(1)).get('scenario') ?? '');

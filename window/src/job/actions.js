@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the job page does: it asks the server, and puts the answers into the state. A refusal becomes a sentence in the state, at the
+// place to which it belongs.
+// @ts-check
+import { ApiError, followRun, getBytes, getJson, putFile, sendJson } from '../shared/api.js';
+import { watch } from '../shared/store.js';
+import * as S from './state.js';
+import { runBegun, runProgressed, runSaid, runTold } from './run.js';
+
+const kSettle_ms = 250;
+const kDrawings = ['dxf', 'svg', 'cf2', 'pdf', 'ai'];
+const kJobs = ['gcode', 'nc', 'ngc', 'tap'];
+
+/** @param {unknown} error @returns {S.Fault} */
+const faultOf = (error) => ({
+  message: error instanceof Error ? error.message : String(error),
+  issues: error instanceof ApiError ? error.issues : [],
+});
+const isAbort = (/** @type {unknown} */ error) => error instanceof DOMException && error.name === 'AbortError';
+const query = (/** @type {string} */ path) => `?path=${encodeURIComponent(path)}`;
+/** @param {string} path */
+export const endingOf = (path) => path.slice(path.lastIndexOf('.') + 1).toLowerCase();
+/** A name that the server takes: letters, digits, space, point, underscore, hyphen. @param {string} name */
+export function tameName(name) {
+  const tame = name.normalize('NFKD').replace(/[\u0300-\u036f]/g, '').replace(/[^A-Za-z0-9 ._-]+/g, '-').replace(/^[. -]+/, '');
+  return tame === '' ? 'drawing' : tame;
+}
+
+/** A name in the folder that nothing has yet: `label.yaml`, `label-2.yaml`. @param {string} path @param {Set<string>} taken */
+export function freeName(path, taken) {
+  const at = path.lastIndexOf('.');
+  for (let k = 1; ; ++k) {
+    const name = k === 1 ? path : `${path.slice(0, at)}-${k}${path.slice(at)}`;
+    if (!taken.has(name)) return name;
+  }
+}
+
+/** @typedef {ReturnType<typeof createActions>} Actions */
+
+/** @param {ReturnType<typeof import('../shared/store.js').createStore<S.State>>} store */
+export function createActions(store) {
+  const update = store.update;
+  const job = () => store.get().job;
+  /** @param {unknown} error */
+  const complain = (error) => {
+    const { message, issues } = faultOf(error);
+    update(S.failed(message, issues));
+  };
+
+  async function loadFiles() {
+    const files = await getJson('/api/files');
+    update(S.having({ files }));
+  }
+
+  /** @type {Record<string, AbortController | undefined>} */
+  const asking = {};
+  /** Asks anew for what follows from text and G-code; an answer that is not wanted any more is dropped.
+   * @param {'check' | 'plan'} which @param {any} body */
+  async function ask(which, body) {
+    asking[which]?.abort();
+    const mine = new AbortController();
+    asking[which] = mine;
+    update((state) => S.asked(state, which));
+    try {
+      const value = await sendJson(`/api/${which}`, body, { signal: mine.signal });
+      if (asking[which] === mine) update((state) => S.answered(state, which, value));
+    } catch (error) {
+      if (!isAbort(error) && asking[which] === mine) update((state) => S.refused(state, which, faultOf(error)));
+    }
+  }
+
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  let settling;
+  watch(store, (state) => [state.job?.path, state.job?.text, state.job?.gcode], (state) => {
+    clearTimeout(settling);
+    if (!state.job) return;
+    const fresh = state.check.state === 'none';
+    const { text: scenario_text, path, gcode } = state.job;
+    // At once for a scenario that was just opened; while somebody types, when he pauses.
+    settling = setTimeout(() => {
+      ask('check', { scenario_text, path });
+      ask('plan', gcode === null ? { scenario_text, path } : { scenario_text, path, gcode });
+    }, fresh ? 0 : kSettle_ms);
+  });
+
+  /** @param {string} path */
+  async function open(path) {
+    update(S.having({ busy: `Opening ${path}` }));
+    try {
+      const text = await (await getBytes('/api/files/content' + query(path))).text();
+      update((state) => ({ ...S.opened(state, path, text), busy: '' }));
+    } catch (error) {
+      complain(error);
+    }
+  }
+
+  // Edits come one after the other, each on the text that the one before has left.
+  let edits = Promise.resolve();
+  /**
+   * Sets keys of the scenario; null removes one. A refusal is shown beside the first key.
+   * @param {{ path: string | string[], value: any }[]} set @returns {Promise<void>}
+   */
+  function setKeys(set) {
+    const key = [set[0].path].flat().join('.');
+    edits = edits.then(async () => {
+      const before = job();
+      if (!before) return;
+      try {
+        const { text } = await sendJson('/api/edit', { text: before.text, set });
+        update((state) => {
+          const { [key]: _, ...editFault } = state.editFault;
+          return { ...S.edited(state, text), editFault };
+        });
+      } catch (error) {
+        update((state) => ({ ...state, editFault: { ...state.editFault, [key]: faultOf(error).message } }));
+      }
+    });
+    return edits;
+  }
+
+  /** @param {number[]} order empty: as planned @returns {Promise<void>} */
+  function setOrder(order) {
+    update(S.having({ orderDraft: order.length > 0 ? order : null }));
+    edits = edits.then(async () => {
+      const before = job();
+      if (!before) return;
+      try {
+        const { text } = await sendJson('/api/order', { scenario_text: before.text, path: before.path, order });
+        update((state) => S.edited(state, text));
+      } catch (error) {
+        complain(error);
+      }
+    });
+    return edits;
+  }
+
+  /**
+   * Writes scenario and G-code, under another name if one is given. G-code by hand is named in the scenario first.
+   * @param {string} [as] path @returns {Promise<boolean>} was it written?
+   */
+  async function save(as) {
+    await edits;
+    let before = job();
+    if (!before) return false;
+    const path = as ?? before.path;
+    update(S.having({ busy: `Saving ${path}` }));
+    try {
+      let { text } = before;
+      const gcode = before.gcode;
+      if (gcode !== null) {
+        const name = path.slice(path.lastIndexOf('/') + 1).replace(/\.ya?ml$/, '') + '.gcode';
+        ({ text } = await sendJson('/api/edit', { text, set: [{ path: 'planner.gcode', value: name }] }));
+        update((state) => S.edited(state, text));
+      }
+      const answer = await sendJson('/api/scenario' + query(path), gcode === null ? { text } : { text, gcode }, { method: 'PUT' });
+      update((state) => S.saved({ ...state, busy: '', notice: null }, answer.path ?? path, text));
+      loadFiles().catch(complain);
+      return true;
+    } catch (error) {
+      complain(error);
+      return false;
+    }
+  }
+
+  /**
+   * A scenario of one's own from a shipped one: the server rewrites the names of files in it.
+   * @param {string} from @param {string} name
+   */
+  async function copy(from, name) {
+    const before = job();
+    update(S.having({ busy: `Copying ${from}` }));
+    try {
+      const made = await sendJson('/api/new', { from, name });
+      await openMade(made);
+      if (before && before.gcode !== null) update((state) => S.gcodeEdited(state, before.gcode));
+    } catch (error) {
+      complain(error);
+    }
+  }
+
+  /** @param {{ path: string, text: string }} made by /api/new */
+  async function openMade(made) {
+    update((state) => ({ ...S.opened(state, made.path, made.text), busy: '' }));
+    await loadFiles();
+  }
+
+  /** A new scenario for a drawing of the folder. @param {string} drawing @param {string} [machine] */
+  async function create(drawing, machine) {
+    update(S.having({ busy: `Reading ${drawing}` }));
+    try {
+      const name = drawing.slice(drawing.lastIndexOf('/') + 1).replace(/\.[^.]*$/, '');
+      await openMade(await sendJson('/api/new', machine ? { drawing, name, machine } : { drawing, name }));
+    } catch (error) {
+      complain(error);
+    }
+  }
+
+  /** Files that were dropped or chosen: a drawing becomes a scenario, G-code the job's own, an image the release. @param {File[]} files */
+  async function take(files) {
+    for (const file of files) {
+      const ending = endingOf(file.name);
+      if (kJobs.includes(ending) && job()) {
+        const text = await file.text();
+        update((state) => S.gcodeEdited(state, text));
+      } else if (kDrawings.includes(ending) || ['yaml', 'yml', 'hex', 'elf', 'bin', 'ihx'].includes(ending)) {
+        await upload(file, ending);
+      } else {
+        update(S.failed(`“${file.name}” is neither a drawing (.dxf, .svg, .cf2, .pdf), a scenario (.yaml), G-code (.gcode) nor a release (.hex, .elf, .bin).`));
+      }
+    }
+  }
+
+  /** @param {File} file @param {string} ending */
+  async function upload(file, ending) {
+    update(S.having({ busy: `Loading ${file.name}` }));
+    try {
+      const { files } = store.get();
+      const taken = new Set([...files.drawings, ...files.scenarios, ...files.images].map((f) => f.path));
+      const { path } = await putFile(freeName(tameName(file.name), taken), file);
+      await loadFiles();
+      if (kDrawings.includes(ending)) await create(path);
+      else if (ending === 'yaml' || ending === 'yml') await open(path);
+      else {
+        update(S.having({ busy: '' }));
+        if (job()) await setKeys([{ path: 'firmware.image', value: path }]);
+      }
+    } catch (error) {
+      complain(error);
+    }
+  }
+
+  /** @type {(() => void) | null} */
+  let unfollow = null;
+  /** @param {string} id */
+  function follow(id) {
+    unfollow?.();
+    /** @param {(run: S.Run) => S.Run} change */
+    const changed = (change) => update((state) => (state.run?.id === id ? { ...state, run: change(state.run) } : state));
+    unfollow = followRun(id, {
+      progress: (data) => changed((run) => runProgressed(run, data)),
+      log: (data) => changed((run) => runSaid(run, data)),
+      state: async (data) => {
+        const ends = data.state === 'ended' || data.state === 'stopped';
+        if (!ends) return changed((run) => runTold(run, data));
+        unfollow?.();
+        unfollow = null;
+        const told = await getJson(`/api/runs/${encodeURIComponent(id)}`).catch(() => data);
+        const judged = told.results ? await getJson(resultPath(told.results, 'verdict.json')).catch(() => null) : null;
+        changed((run) => ({ ...runTold(run, told), judged, stopping: false }));
+        loadFiles().catch(complain);
+      },
+    });
+  }
+
+  async function start() {
+    if (S.isChanged(job()) && !(await save())) return;
+    const now = job();
+    if (!now) return;
+    try {
+      const answer = await sendJson('/api/runs', { scenario: now.path, trace: true });
+      update(S.having({ run: runBegun(answer, now.path), notice: null, playing: false }));
+      follow(String(answer.id));
+    } catch (error) {
+      complain(error);
+    }
+  }
+
+  async function stop() {
+    const { run } = store.get();
+    if (!run) return;
+    update(S.having({ run: { ...run, stopping: true } }));
+    try {
+      await sendJson(`/api/runs/${encodeURIComponent(run.id)}/stop`, {});
+    } catch (error) {
+      update((state) => ({ ...state, run: state.run && { ...state.run, stopping: false } }));
+      complain(error);
+    }
+  }
+
+  /** Session, files and reference; then the run that goes on, and the scenario that the address names. @param {string} wanted */
+  async function begin(wanted) {
+    try {
+      const [session, reference] = await Promise.all([getJson('/api/session'), getJson('/api/reference?page=scenario')]);
+      update(S.having({ session, reference: reference.sections }));
+      await loadFiles();
+      const { runs } = await getJson('/api/runs');
+      const going = (runs ?? []).find((/** @type {any} */ run) => run.state === 'running' || run.state === 'waiting');
+      const path = wanted || going?.scenario;
+      if (path) await open(path);
+      if (going) {
+        update(S.having({ run: runTold(runBegun(going, going.scenario), going) }));
+        follow(String(going.id));
+      }
+    } catch (error) {
+      complain(error);
+    }
+  }
+
+  return { begin, open, setKeys, setOrder, save, copy, create, take, start, stop, loadFiles };
+}
+
+/** @param {string} folder of a run's results @param {string} file */
+export const resultPath = (folder, file) => `${folder.startsWith('/') ? folder : `/results/${folder}`}/${file}`
+  .split('/').map((part) => encodeURIComponent(decodeURIComponent(part))).join('/');

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run as the page knows it, from the server's events and answers; and what to say of it.
+// @ts-check
+
+/** @typedef {import('./state.js').Run} Run */
+
+const kMostLog = 500;
+
+/** @param {any} answer of POST /api/runs @param {string} scenario @returns {Run} */
+export const runBegun = (answer, scenario) => ({
+  id: String(answer.id), scenario, state: answer.state ?? 'running', command: answer.command ?? '', what: 'Starting',
+  share: null, left_s: null, now_s: null, verdict: null, results: '', report: '', trace: '', exitCode: null, judged: null,
+  log: [], stopping: false, fault: '',
+});
+
+/** @param {Run} run @param {any} progress {now_s, share?, what, left_s?} @returns {Run} */
+export const runProgressed = (run, progress) => ({
+  ...run, what: progress.what ?? run.what, share: progress.share ?? null, left_s: progress.left_s ?? null, now_s: progress.now_s ?? run.now_s,
+});
+
+/** @param {Run} run @param {any} words {text} or a line @returns {Run} */
+export function runSaid(run, words) {
+  const line = typeof words === 'string' ? words : words.line ?? words.text ?? '';
+  return line === '' ? run : { ...run, log: [...run.log, line].slice(-kMostLog) };
+}
+
+/** @param {Run} run @param {any} answer of GET /api/runs/ID or the event `state` @returns {Run} */
+export function runTold(run, answer) {
+  const next = {
+    ...run, state: answer.state ?? run.state, command: answer.command ?? run.command, verdict: answer.verdict ?? run.verdict,
+    results: answer.results ?? run.results, report: answer.report ?? run.report, trace: answer.trace ?? run.trace,
+    exitCode: answer.exit_code ?? run.exitCode, fault: answer.error ?? run.fault,
+  };
+  return answer.progress ? runProgressed(next, answer.progress) : next;
+}
+
+/** Seconds as people say them: "8 s", "2 min 5 s". @param {number} s */
+export function duration(s) {
+  const whole = Math.max(0, Math.round(s));
+  if (whole < 60) return `${whole} s`;
+  const min = Math.floor(whole / 60);
+  return min < 60 ? `${min} min ${whole % 60} s` : `${Math.floor(min / 60)} h ${min % 60} min`;
+}
+
+/** What goes on, as one line for the eye. @param {Run} run */
+export function progressWords(run) {
+  if (run.stopping) return 'Stopping: the laser goes off, the belt runs out, then the run ends.';
+  if (run.state === 'waiting') return 'Waiting for the run before it to end.';
+  const parts = [run.what || 'Running'];
+  if (run.share !== null) parts.push(`${Math.floor(run.share * 100)} %`);
+  if (run.left_s !== null) parts.push(`about ${duration(run.left_s)} left`);
+  return parts.join(' · ');
+}
+
+/**
+ * The same for a live region: spoken in steps of a quarter, so that it does not speak all the time.
+ * @param {Run} run
+ */
+export function spokenProgress(run) {
+  if (run.stopping) return 'Stopping the run.';
+  if (run.state === 'waiting') return 'Waiting for the run before it.';
+  const quarter = run.share === null ? 0 : Math.floor(run.share * 4) * 25;
+  return `${run.what || 'Running'}, ${quarter} percent.`;
+}
+
+/** Kind of a verdict for its colour. @param {string | null} verdict @returns {'pass' | 'fail' | 'unproven' | 'invalid' | 'none'} */
+export function verdictKind(verdict) {
+  if (verdict === 'PASS') return 'pass';
+  if (verdict === 'FAIL') return 'fail';
+  if (verdict === 'NOT PROVEN') return 'unproven';
+  return verdict === 'INVALID' ? 'invalid' : 'none';
+}
+
+const digits = (/** @type {number} */ value) => {
+  const size = Math.abs(value);
+  return size >= 100 ? value.toFixed(0) : size >= 1 ? value.toFixed(2) : value.toFixed(4);
+};
+
+/** @param {any} check of verdict.json: "0.0795 mm, limit 0.1500 mm" */
+export function figureWords(check) {
+  if (check.value === null || check.value === undefined || Number.isNaN(check.value)) return '';
+  const unit = check.unit ? ` ${check.unit}` : '';
+  const limit = check.limit === null || check.limit === undefined ? ''
+    : `, limit ${check.limit_is === 'lower' ? 'at least ' : ''}${digits(check.limit)}${unit}`;
+  return `${check.value_is === 'at_least' ? 'at least ' : ''}${digits(check.value)}${unit}${limit}`;
+}
+
+/** Checks that are no PASS, the worst kind first. @param {any} judged verdict.json */
+export function badChecks(judged) {
+  const rank = { FAIL: 0, INVALID: 1, 'NOT PROVEN': 2 };
+  const of = (/** @type {any} */ c) => /** @type {any} */ (rank)[c.verdict] ?? 3;
+  return (judged?.checks ?? []).filter((/** @type {any} */ c) => c.verdict !== 'PASS').sort((/** @type {any} */ a, /** @type {any} */ b) => of(a) - of(b));
+}
+
+/** The run's end in a sentence, where there is no verdict.json. @param {Run} run */
+export function endWords(run) {
+  if (run.state === 'stopped') return 'The run was stopped. The laser was off before it ended; there is no verdict and no results folder.';
+  if (run.fault) return run.fault;
+  if (run.exitCode === 65) return 'The input was refused. What is wrong is in the lines below.';
+  if (run.exitCode !== null) return `The bench ended with exit code ${run.exitCode} and without a verdict.`;
+  return '';
+}

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// Paints the drawing, the preview and what is measured onto a canvas. Paths are kept in mm and painted through the view, so that a
+// change of view builds nothing anew.
+// @ts-check
+import { momentAt, rampColour, reachAt, shareAt } from '../motion.js';
+import { measured, scaleBar, toScreen } from './geometry.js';
+
+/** @typedef {import('./geometry.js').View} View */
+/** @typedef {import('../motion.js').Motion} Motion */
+
+const kDash = { cut: [], 'half-cut': [9, 3, 2, 3], crease: [7, 4], perforation: [3, 3], ignore: [1, 4] };
+const kColours = ['cut', 'crease', 'half-cut', 'perforation', 'ignore', 'acc', 'fail', 'jump', 'field', 'fg', 'mute', 'line', 'bg', 'stage'];
+
+/** The page's colours, as they are in the present scheme. @param {Element} element @returns {Record<string, string>} */
+export function coloursOf(element) {
+  const style = getComputedStyle(element);
+  return Object.fromEntries(kColours.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+}
+
+/** @param {{ points_mm: [number, number][] }[]} curves */
+export function pathOf(curves) {
+  const path = new Path2D();
+  for (const { points_mm: points } of curves) {
+    points.forEach(([x, y], i) => (i === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
+    if (points.length === 1) path.lineTo(points[0][0], points[0][1]);
+  }
+  return path;
+}
+
+/** One path for each process. @param {import('../state.js').Entity[]} entities */
+export function pathsByProcess(entities) {
+  const of = new Map();
+  for (const entity of entities) of.set(entity.process, [...(of.get(entity.process) ?? []), entity]);
+  return [...of].map(([process, list]) => ({ process, path: pathOf(list) }));
+}
+
+/** What is travelled with the laser off. @param {Motion} motion */
+export function pathOfJumps(motion) {
+  const path = new Path2D();
+  for (let i = 1; i < motion.n; ++i) {
+    if (motion.lit[i]) continue;
+    if (i === 1 || motion.lit[i - 1]) path.moveTo(motion.x[i - 1], motion.y[i - 1]);
+    path.lineTo(motion.x[i], motion.y[i]);
+  }
+  return path;
+}
+
+/** @param {CanvasRenderingContext2D} g @param {View} view @param {Path2D} path @param {{ colour: string, width: number, dash?: number[] }} look */
+function stroke(g, view, path, { colour, width, dash = [] }) {
+  g.save();
+  g.transform(view.scale, 0, 0, -view.scale, view.dx, view.dy);
+  g.lineWidth = width / view.scale;
+  g.setLineDash(dash.map((d) => d / view.scale));
+  g.lineCap = dash.length > 0 ? 'butt' : 'round';
+  g.lineJoin = 'round';
+  g.strokeStyle = colour;
+  g.stroke(path);
+  g.restore();
+}
+
+/**
+ * The sheet before anything runs: origin, lines by process, jumps.
+ * @param {CanvasRenderingContext2D} g @param {View} view @param {Record<string, string>} colours
+ * @param {{ paths: { process: string, path: Path2D }[], jumps: Path2D | null, faint: boolean }} what
+ */
+export function paintSheet(g, view, colours, { paths, jumps, faint }) {
+  const [x, y] = toScreen(view, [0, 0]);
+  g.strokeStyle = colours.line;
+  g.lineWidth = 1;
+  g.beginPath();
+  g.moveTo(x - 1e4, Math.round(y) + 0.5);
+  g.lineTo(x + 1e4, Math.round(y) + 0.5);
+  g.moveTo(Math.round(x) + 0.5, y - 1e4);
+  g.lineTo(Math.round(x) + 0.5, y + 1e4);
+  g.stroke();
+  if (jumps) stroke(g, view, jumps, { colour: colours.jump, width: 1, dash: [4, 4] });
+  g.globalAlpha = faint ? 0.55 : 1;
+  for (const { process, path } of paths)
+    stroke(g, view, path, { colour: colours[process] ?? colours.ignore, width: process === 'ignore' ? 1 : 1.6, dash: /** @type {any} */ (kDash)[process] ?? kDash.ignore });
+  g.globalAlpha = 1;
+}
+
+const kSteps = 24;
+/**
+ * Adds the periods (from, to] of the way that has been run, coloured by power, speed or reach.
+ * @param {CanvasRenderingContext2D} g @param {View} view @param {Record<string, string>} colours @param {Motion} motion
+ * @param {{ from: number, to: number, by: 'power' | 'speed' | 'reach', jumps: boolean }} what
+ */
+export function paintRun(g, view, colours, motion, { from, to, by, jumps }) {
+  g.lineCap = g.lineJoin = 'round';
+  const kind = (/** @type {number} */ i) => (motion.lit[i] ? 1 + Math.min(Math.ceil(kSteps * shareAt(motion, i, by)), kSteps + 1) : 0);
+  for (let i = from; i < to;) {
+    const k = kind(i + 1);
+    g.beginPath();
+    g.moveTo(...toScreen(view, [motion.x[i], motion.y[i]]));
+    while (i < to && kind(i + 1) === k) {
+      ++i;
+      g.lineTo(...toScreen(view, [motion.x[i], motion.y[i]]));
+    }
+    if (k === 0 && !jumps) continue;
+    g.setLineDash(k === 0 ? [4, 4] : []);
+    g.lineWidth = k === 0 ? 1.4 : 3;
+    g.strokeStyle = k === 0 ? colours.jump : k > kSteps + 1 ? colours.fail : rampColour((k - 1) / kSteps);
+    g.stroke();
+  }
+  g.setLineDash([]);
+}
+
+/** @param {CanvasRenderingContext2D} g @param {View} view @param {Record<string, string>} colours @param {Motion} motion @param {number} period */
+export function paintReach(g, view, colours, motion, period) {
+  const reach = reachAt(motion, period);
+  if (!reach) return;
+  const [x0, y0] = toScreen(view, [reach.x0, reach.y1]);
+  const [x1, y1] = toScreen(view, [reach.x1, reach.y0]);
+  g.fillStyle = colours.field;
+  g.fillRect(x0, y0, x1 - x0, y1 - y0);
+  g.strokeStyle = colours.jump;
+  g.lineWidth = 1;
+  g.strokeRect(x0, y0, x1 - x0, y1 - y0);
+}
+
+/** @param {CanvasRenderingContext2D} g @param {View} view @param {Record<string, string>} colours @param {Motion} motion @param {number} period */
+export function paintBeam(g, view, colours, motion, period) {
+  const now = momentAt(motion, period);
+  const [x, y] = toScreen(view, [now.x_mm, now.y_mm]);
+  g.beginPath();
+  g.arc(x, y, 6, 0, 2 * Math.PI);
+  g.fillStyle = now.lit ? colours.acc : colours.bg;
+  g.strokeStyle = now.lit ? colours.bg : colours.acc;
+  g.lineWidth = 2;
+  g.fill();
+  g.stroke();
+  g.beginPath();
+  g.arc(x, y, 7.5, 0, 2 * Math.PI);
+  g.strokeStyle = colours.acc;
+  g.lineWidth = 1.2;
+  g.stroke();
+}
+
+/** @param {CanvasRenderingContext2D} g @param {View} view @param {Path2D} path @param {Record<string, string>} colours */
+export function paintSelected(g, view, path, colours) {
+  stroke(g, view, path, { colour: colours.stage, width: 6.5 });
+  stroke(g, view, path, { colour: colours.acc, width: 3.6 });
+}
+
+/**
+ * Numbers of the order, left out where they would lie on each other.
+ * @param {CanvasRenderingContext2D} g @param {View} view @param {Record<string, string>} colours @param {{ at: [number, number], text: string }[]} labels
+ */
+export function paintNumbers(g, view, colours, labels) {
+  /** @type {number[][]} */
+  const taken = [];
+  g.font = '600 11px system-ui, "DejaVu Sans", sans-serif';
+  g.textBaseline = 'middle';
+  g.textAlign = 'center';
+  for (const { at, text } of labels) {
+    const [x, y] = toScreen(view, at);
+    const w = g.measureText(text).width + 8;
+    if (taken.some((q) => Math.abs(q[0] - x) < (q[2] + w) / 2 + 1 && Math.abs(q[1] - y) < 16)) continue;
+    taken.push([x, y, w]);
+    g.beginPath();
+    g.roundRect(x - w / 2, y - 8, w, 16, 3);
+    g.fillStyle = colours.bg;
+    g.fill();
+    g.strokeStyle = colours.mute;
+    g.lineWidth = 1;
+    g.stroke();
+    g.fillStyle = colours.fg;
+    g.fillText(text, x, y + 0.5);
+  }
+}
+
+/**
+ * @param {CanvasRenderingContext2D} g @param {View} view @param {Record<string, string>} colours
+ * @param {{ from: [number, number], to: [number, number] | null, cursor: [number, number] | null, kind: string }} what
+ */
+export function paintMeasure(g, view, colours, { from, to, cursor, kind }) {
+  const end = to ?? cursor;
+  g.strokeStyle = g.fillStyle = colours.acc;
+  g.lineWidth = 1.4;
+  if (from && end) {
+    const [ax, ay] = toScreen(view, from);
+    const [bx, by] = toScreen(view, end);
+    g.beginPath();
+    g.moveTo(ax, ay);
+    g.lineTo(bx, by);
+    g.stroke();
+    const text = `${measured(from, end).distance_mm.toFixed(3)} mm`;
+    g.font = '600 12px system-ui, "DejaVu Sans", sans-serif';
+    g.textAlign = 'center';
+    g.textBaseline = 'middle';
+    const w = g.measureText(text).width + 12;
+    g.fillStyle = colours.acc;
+    g.beginPath();
+    g.roundRect((ax + bx - w) / 2, (ay + by) / 2 - 26, w, 20, 4);
+    g.fill();
+    g.fillStyle = colours.bg;
+    g.fillText(text, (ax + bx) / 2, (ay + by) / 2 - 15.5);
+  }
+  for (const at of [from, to]) {
+    if (!at) continue;
+    const [x, y] = toScreen(view, at);
+    g.beginPath();
+    g.arc(x, y, 3.5, 0, 2 * Math.PI);
+    g.fillStyle = colours.acc;
+    g.fill();
+  }
+  if (!cursor) return;
+  const [x, y] = toScreen(view, cursor);
+  g.beginPath();
+  g.moveTo(x - 9, y);
+  g.lineTo(x + 9, y);
+  g.moveTo(x, y - 9);
+  g.lineTo(x, y + 9);
+  g.stroke();
+  if (kind === 'end') g.strokeRect(x - 5, y - 5, 10, 10);
+  if (kind === 'line') {
+    g.beginPath();
+    g.arc(x, y, 5, 0, 2 * Math.PI);
+    g.stroke();
+  }
+}
+
+/** @param {CanvasRenderingContext2D} g @param {View} view @param {Record<string, string>} colours @param {number} width_px */
+export function paintScale(g, view, colours, width_px) {
+  const { mm, px } = scaleBar(view, 120);
+  const x = width_px - 16;
+  const y = 22;
+  g.strokeStyle = colours.mute;
+  g.fillStyle = colours.mute;
+  g.lineWidth = 1.2;
+  g.beginPath();
+  g.moveTo(x - px, y - 4);
+  g.lineTo(x - px, y);
+  g.lineTo(x, y);
+  g.lineTo(x, y - 4);
+  g.stroke();
+  g.font = '12px system-ui, "DejaVu Sans", sans-serif';
+  g.textAlign = 'right';
+  g.textBaseline = 'bottom';
+  g.fillText(`${mm >= 0.001 ? Number(mm.toPrecision(1)) : mm.toExponential(0)} mm`, x, y - 6);
+}

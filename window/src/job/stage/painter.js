@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keeps what is painted in step with the state: paths are built when drawing or plan change, and the way that has been run is kept
+// on a canvas of its own, to which playing only adds.
+// @ts-check
+import { makeMotion, reachAt } from '../motion.js';
+import * as P from './paint.js';
+import { boxOfCurves, fitted } from './geometry.js';
+
+/** @typedef {import('../state.js').State} State */
+/** @typedef {import('./geometry.js').View} View */
+
+/** What the pointer and the keys do at the moment; nothing of it outlives the page.
+ * @typedef {{ band: import('./geometry.js').Box | null, cursor: [number, number] | null, kind: string }} Hand */
+
+/** @param {(what: any) => any} make @returns {(what: any) => any} remembers the last answer */
+function once(make) {
+  /** @type {any} */
+  let of;
+  /** @type {any} */
+  let answer;
+  return (what) => {
+    if (of !== what) [of, answer] = [what, make(what)];
+    return answer;
+  };
+}
+
+const noEntities = Object.freeze([]);
+/** @param {State} state @returns {readonly import('../state.js').Entity[]} */
+export const entitiesOf = (state) => state.check.value?.drawing?.entities ?? noEntities;
+
+/** Motions are made once for each plan, for all views. */
+const motionOf_ = once((/** @type {any} */ plan) => (plan?.preview?.x_mm?.length ? plan : null));
+/** @type {WeakMap<object, import('../motion.js').Motion>} */
+const motions = new WeakMap();
+/** @param {State} state */
+export function motionOf(state) {
+  const plan = motionOf_(state.plan.value);
+  if (!plan) return null;
+  const known = motions.get(plan);
+  if (known) return known;
+  const motion = makeMotion(plan.preview, state.check.value?.machine?.full_power_w ?? 0);
+  // Watts need the machine, which another answer brings.
+  if (state.check.value?.machine) motions.set(plan, motion);
+  return motion;
+}
+
+/** @param {HTMLCanvasElement} canvas @param {() => State} get @param {Hand} hand */
+export function createPainter(canvas, get, hand) {
+  const run = document.createElement('canvas');
+  const paths = once((entities) => P.pathsByProcess(entities));
+  const byId = once((entities) => new Map(entities.map((/** @type {any} */ e) => [e.id, e])));
+  const jumps = once((motion) => (motion ? P.pathOfJumps(motion) : null));
+  const box = once((entities) => boxOfCurves(entities));
+  let width = 0;
+  let height = 0;
+  let asked = false;
+  /** @type {View} */
+  let view = { scale: 1, dx: 0, dy: 0 };
+  let fits = true;
+  let done = { to: -1, key: /** @type {any[]} */ ([]) };
+  /** @type {Record<string, string>} */
+  let colours = {};
+  /** @type {(() => void)[]} */
+  const listeners = [];
+
+  /** @param {State} state @param {any} motion */
+  function paintRun(state, motion) {
+    const { colour, jumps: withJumps } = state.stage;
+    const to = Math.min(Math.floor(state.period), motion.n - 1);
+    const key = [motion, view, colour, withJumps, colours, width, height];
+    const g = /** @type {CanvasRenderingContext2D} */ (run.getContext('2d'));
+    if (key.some((part, i) => part !== done.key[i]) || to < done.to) {
+      g.clearRect(0, 0, width, height);
+      done = { to: 0, key };
+    }
+    P.paintRun(g, view, colours, motion, { from: done.to, to, by: colour, jumps: withJumps });
+    done.to = to;
+  }
+
+  function paint() {
+    asked = false;
+    if (width === 0) return;
+    const state = get();
+    const entities = entitiesOf(state);
+    const motion = motionOf(state);
+    const g = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
+    g.clearRect(0, 0, width, height);
+    if (motion) P.paintReach(g, view, colours, motion, state.period);
+    if (entities.length > 0 || motion) P.paintSheet(g, view, colours, { paths: paths(entities), jumps: state.stage.jumps ? jumps(motion) : null, faint: Boolean(motion) && state.period > 0 });
+    if (motion && state.period > 0) {
+      paintRun(state, motion);
+      g.drawImage(run, 0, 0, width, height);
+    }
+    const chosen = state.selected.map((id) => byId(entities).get(id)).filter(Boolean);
+    if (chosen.length > 0) P.paintSelected(g, view, P.pathOf(chosen), colours);
+    if (state.stage.numbers) P.paintNumbers(g, view, colours, numbersOf(state, byId(entities)));
+    if (motion) P.paintBeam(g, view, colours, motion, state.period);
+    paintHand(g, state);
+    if (entities.length > 0 || motion) P.paintScale(g, view, colours, width);
+    // Where things are, for tests and for whoever looks into the page.
+    canvas.dataset.view = JSON.stringify(view);
+    for (const listener of listeners) listener();
+  }
+
+  /** @param {CanvasRenderingContext2D} g @param {State} state */
+  function paintHand(g, state) {
+    const { tool, measure } = state.stage;
+    if (tool === 'measure' || measure.length > 0)
+      P.paintMeasure(g, view, colours, { from: measure[0] ?? null, to: measure[1] ?? null, cursor: tool === 'measure' ? hand.cursor : null, kind: hand.kind });
+    if (!hand.band) return;
+    const { x0, y0, x1, y1 } = hand.band;
+    g.fillStyle = colours.field;
+    g.globalAlpha = 0.6;
+    g.fillRect(x0, y0, x1 - x0, y1 - y0);
+    g.globalAlpha = 1;
+    g.strokeStyle = colours.acc;
+    g.lineWidth = 1;
+    g.strokeRect(x0 + 0.5, y0 + 0.5, x1 - x0, y1 - y0);
+  }
+
+  function soon() {
+    if (asked) return;
+    asked = true;
+    requestAnimationFrame(paint);
+  }
+
+  return {
+    soon,
+    /** What lies over the canvas moves with it. @param {() => void} listener */
+    onPaint: (listener) => listeners.push(listener),
+    view: () => view,
+    size: () => ({ width, height }),
+    /** @param {View} next */
+    look(next) {
+      view = next;
+      fits = false;
+      soon();
+    },
+    fit() {
+      const motion = motionOf(get());
+      const reach = motion && entitiesOf(get()).length === 0 ? reachAt(motion, 0) : null;
+      view = fitted(box(entitiesOf(get())) ?? reach, width, height, Math.min(48, width / 8));
+      fits = true;
+      soon();
+    },
+    resize() {
+      const ratio = devicePixelRatio || 1;
+      ({ width, height } = canvas.getBoundingClientRect());
+      for (const c of [canvas, run]) {
+        c.width = Math.max(1, Math.round(width * ratio));
+        c.height = Math.max(1, Math.round(height * ratio));
+        c.getContext('2d')?.setTransform(ratio, 0, 0, ratio, 0, 0);
+      }
+      done.to = -1;
+      done.key = [];
+      if (fits) this.fit();
+      soon();
+    },
+    recolour() {
+      colours = P.coloursOf(canvas);
+      soon();
+    },
+  };
+}
+
+/** Where the numbers of the order stand: at the middle of each entity that is cut. @param {State} state @param {Map<number, any>} entities */
+function numbersOf(state, entities) {
+  const order = state.plan.value?.order ?? [];
+  return order.flatMap((/** @type {number} */ id, /** @type {number} */ place) => {
+    const points = entities.get(id)?.points_mm;
+    if (!points?.length) return [];
+    const i = Math.floor((points.length - 1) / 2);
+    const j = Math.min(i + 1, points.length - 1);
+    return [{ at: /** @type {[number, number]} */ ([(points[i][0] + points[j][0]) / 2, (points[i][1] + points[j][1]) / 2]), text: String(place + 1) }];
+  });
+}

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of the job page, and how it changes. All functions here are pure: state in, state out. What speaks with the server is
+// in actions.js, what shows the state in the views.
+// @ts-check
+
+/** @typedef {import('../shared/api.js').Issue} Issue */
+/** @typedef {{ id: number, layer: string, process: string, length_mm: number, line: number, points_mm: [number, number][],
+ *   closed: boolean }} Entity */
+/** @typedef {{ kind: string, severity: string, message: string, where_mm: [number, number] | null, entities: number[],
+ *   line: number, accepted?: boolean }} Finding */
+/** An answer of the server that takes a moment. `fault`: the request itself failed.
+ * @template T @typedef {{ state: 'none' | 'busy' | 'ready' | 'failed', value: T | null, fault: Fault | null }} Answer */
+/** @typedef {{ message: string, issues: Issue[] }} Fault */
+/** @typedef {{ path: string, readOnly: boolean, text: string, saved: string, past: string[], future: string[],
+ *   gcode: string | null, gcodeSaved: string | null }} Job
+ * `gcode`: edited by hand and not saved yet; null: what the server plans or reads. */
+/** @typedef {{ id: string, scenario: string, state: string, command: string, what: string, share: number | null,
+ *   left_s: number | null, now_s: number | null, verdict: string | null, results: string, report: string, trace: string,
+ *   exitCode: number | null, judged: any, log: string[], stopping: boolean, fault: string }} Run */
+/** @typedef {{ session: any, files: any, reference: any[], job: Job | null, check: Answer<any>, plan: Answer<any>,
+ *   selected: number[], line: number | null, finding: number | null, period: number, playing: boolean, run: Run | null,
+ *   stage: Stage, orderDraft: number[] | null, busy: string, notice: { kind: 'error' | 'done', text: string, issues: Issue[] } | null, editFault: Record<string, string> }} State */
+
+/** How the drawing is looked at. `measure`: none, one or two places in S.
+ * @typedef {{ tool: 'select' | 'move' | 'measure', colour: 'power' | 'speed' | 'reach', jumps: boolean, numbers: boolean,
+ *   measure: [number, number][], show: 'drawing' | 'machine' }} Stage */
+
+/** @type {Answer<any>} */
+const kNone = Object.freeze({ state: 'none', value: null, fault: null });
+
+/** @returns {State} */
+export const initialState = () => ({
+  session: null,
+  files: { scenarios: [], machines: [], drawings: [], images: [], runs: [], traces: [] },
+  reference: [],
+  job: null,
+  check: kNone,
+  plan: kNone,
+  selected: [],
+  line: null,
+  finding: null,
+  period: 0,
+  playing: false,
+  orderDraft: null,
+  run: null,
+  stage: { tool: 'select', colour: 'power', jumps: true, numbers: false, measure: [], show: 'drawing' },
+  busy: '',
+  notice: null,
+  editFault: {},
+});
+
+/** What the server ships is read only. @param {string} path */
+export const isShipped = (path) => path.startsWith('shipped/');
+
+/** @param {State} state @param {string} path @param {string} text @returns {State} */
+export function opened(state, path, text) {
+  return {
+    ...state,
+    job: { path, readOnly: isShipped(path), text, saved: text, past: [], future: [], gcode: null, gcodeSaved: null },
+    check: kNone,
+    plan: kNone,
+    selected: [],
+    line: null,
+    finding: null,
+    period: 0,
+    playing: false,
+    orderDraft: null,
+    run: state.run && state.run.state === 'running' ? state.run : null,
+    stage: { ...state.stage, measure: [] },
+    notice: null,
+    editFault: {},
+  };
+}
+
+const kMostUndo = 200;
+
+/** The scenario's text was changed, by a field or in the editor. @param {State} state @param {string} text @returns {State} */
+export function edited(state, text) {
+  const { job } = state;
+  if (!job || job.text === text) return state;
+  return { ...state, job: { ...job, text, past: [...job.past, job.text].slice(-kMostUndo), future: [] } };
+}
+
+/** @param {State} state @returns {State} */
+export function undone(state) {
+  const { job } = state;
+  if (!job || job.past.length === 0) return state;
+  const past = job.past.slice(0, -1);
+  return { ...state, editFault: {}, job: { ...job, text: job.past[past.length], past, future: [job.text, ...job.future] } };
+}
+
+/** @param {State} state @returns {State} */
+export function redone(state) {
+  const { job } = state;
+  if (!job || job.future.length === 0) return state;
+  const [text, ...future] = job.future;
+  return { ...state, editFault: {}, job: { ...job, text, past: [...job.past, job.text], future } };
+}
+
+/** G-code was edited; null: as planned, or as in the file. @param {State} state @param {string | null} gcode @returns {State} */
+export function gcodeEdited(state, gcode) {
+  if (!state.job || state.job.gcode === gcode) return state;
+  return { ...state, job: { ...state.job, gcode } };
+}
+
+/** @param {State} state @param {string} path @param {string} text what was written @returns {State} */
+export function saved(state, path, text) {
+  const { job } = state;
+  if (!job) return state;
+  return { ...state, job: { ...job, path, readOnly: isShipped(path), saved: text, gcode: null } };
+}
+
+/** @param {Job | null} job */
+export const isChanged = (job) => job !== null && (job.text !== job.saved || job.gcode !== null);
+
+/** Is the G-code one that was edited by hand? @param {State} state */
+export const isByHand = (state) =>
+  state.job !== null && (state.job.gcode !== null || Boolean(state.check.value?.values?.['planner.gcode']));
+
+/** The G-code that is to be shown. @param {State} state @returns {string} */
+export const gcodeOf = (state) => state.job?.gcode ?? state.plan.value?.gcode ?? '';
+
+/** @type {readonly number[]} */
+const kNobody = Object.freeze([]);
+/** The order in which entities are cut: as it was just moved, else as it was planned. @param {State} state @returns {number[]} */
+export const orderOf = (state) => state.orderDraft ?? state.plan.value?.order ?? kNobody;
+
+/** An answer is asked for; the last one stays visible. @param {State} state @param {'check' | 'plan'} which @returns {State} */
+export const asked = (state, which) => ({ ...state, [which]: { ...state[which], state: 'busy' } });
+
+/** @param {State} state @param {'check' | 'plan'} which @param {any} value @returns {State} */
+export function answered(state, which, value) {
+  const next = { ...state, [which]: { state: 'ready', value, fault: null } };
+  if (which === 'check') {
+    const known = new Set((value.drawing?.entities ?? []).map((/** @type {Entity} */ e) => e.id));
+    next.selected = state.selected.every((id) => known.has(id)) ? state.selected : state.selected.filter((id) => known.has(id));
+    next.finding = null;
+  } else {
+    const most = Math.max(0, (value.preview?.x_mm.length ?? 1) - 1);
+    next.period = Math.min(state.period, most);
+    if (value.order?.length) next.orderDraft = null;
+  }
+  return next;
+}
+
+/** @param {State} state @param {'check' | 'plan'} which @param {Fault} fault @returns {State} */
+export const refused = (state, which, fault) => ({
+  ...state,
+  [which]: { state: 'failed', value: which === 'check' ? state.check.value : null, fault },
+});
+
+/**
+ * @param {State} state @param {number[]} ids @param {'only' | 'add' | 'toggle'} [how]
+ * @returns {State}
+ */
+export function selected(state, ids, how = 'only') {
+  const before = new Set(how === 'only' ? [] : state.selected);
+  for (const id of ids) {
+    if (how === 'toggle' && before.has(id)) before.delete(id);
+    else before.add(id);
+  }
+  return { ...state, selected: [...before] };
+}
+
+/** A change of how the drawing is looked at. @param {Partial<Stage>} part @returns {(state: State) => State} */
+export const looking = (part) => (state) => ({ ...state, stage: { ...state.stage, ...part } });
+
+/** A place is measured from or to; a third one begins anew. @param {State} state @param {[number, number]} at_mm @returns {State} */
+export const measuredAt = (state, at_mm) => looking({ measure: state.stage.measure.length === 1 ? [state.stage.measure[0], at_mm] : [at_mm] })(state);
+
+/** A change of part of the state. @param {Partial<State>} part @returns {(state: State) => State} */
+export const having = (part) => (state) => ({ ...state, ...part });
+
+/** @param {string} text @param {Issue[]} [issues] @returns {(state: State) => State} */
+export const failed = (text, issues = []) => having({ notice: { kind: 'error', text, issues }, busy: '' });
+
+/** Errors and warnings of the scenario that belong to a key. @param {State} state @returns {Map<string, Issue[]>} */
+export function issuesByKey(state) {
+  const of = new Map();
+  for (const issue of state.check.value?.issues ?? []) {
+    if (!issue.key) continue;
+    of.set(issue.key, [...(of.get(issue.key) ?? []), issue]);
+  }
+  return of;
+}
+
+/** Everything that keeps the job from being run, as sentences. @param {State} state @returns {Issue[]} */
+export function obstacles(state) {
+  const errors = (/** @type {Issue[]} */ list) => list.filter((i) => (i.severity ?? 'error') === 'error');
+  const { check, plan } = state;
+  const of_check = errors(check.value?.issues ?? []);
+  // A job that cannot be read cannot be planned either; its faults are not told twice.
+  const of_plan = of_check.length > 0 ? [] : errors(plan.value?.issues ?? []);
+  const faults = [check, plan].filter((a) => a.state === 'failed' && a.fault).map((a) => ({ message: /** @type {Fault} */ (a.fault).message }));
+  return [...of_check, ...of_plan, ...(of_check.length > 0 ? [] : faults)];
+}
+
+/** May Start be pressed? @param {State} state @returns {string} why not, in a sentence; empty: yes */
+export function whyNotStart(state) {
+  if (!state.job) return 'Open a scenario or drop a drawing first.';
+  if (state.session && state.session.can_run === false) return 'This server only shows traces.';
+  if (state.run && isGoing(state.run)) return 'A run is going on.';
+  if (state.check.state === 'busy' || state.check.state === 'none') return 'The scenario is being checked.';
+  const count = obstacles(state).length;
+  if (count > 0) return count === 1 ? 'One fault must be mended first.' : `${count} faults must be mended first.`;
+  return '';
+}
+
+/** @param {Run} run */
+export const isGoing = (run) => run.state === 'running' || run.state === 'waiting';
