@@ -48,10 +48,11 @@ export function makeMotion(preview, full_power_w) {
 }
 /** @typedef {ReturnType<typeof makeMotion>} Motion */
 
-/** What is to be told of a period. @param {Motion} motion @param {number} period a whole number or between two */
+/** What is to be told of a moment. @param {Motion} motion @param {number} period a whole number or between two */
 export function momentAt(motion, period) {
   const at = Math.min(Math.max(period, 0), Math.max(motion.n - 1, 0));
-  const i = Math.min(Math.ceil(at - 1e-9), motion.n - 1);
+  // Between two periods it is the one that comes next: what stands at the begin of a line belongs to that line.
+  const i = Math.min(Math.floor(at + 1e-9) + 1, motion.n - 1);
   const from = Math.max(i - 1, 0);
   const w = i > 0 ? at - from : 0;
   const mix = (/** @type {ArrayLike<number>} */ a) => a[from] + w * (a[i] - a[from]);
@@ -103,8 +104,8 @@ export const usualSpeed = (duration_s, speeds) => {
   return speeds.reduce((best, speed) => (off(speed) < off(best) ? speed : best));
 };
 
-// Dark violet over orange to yellow: all of it can be seen on white and on the dark stage.
-const kRamp = [[88, 60, 160], [160, 52, 140], [216, 67, 84], [232, 118, 24], [226, 166, 10]];
+// Violet over red to amber. All of it has a contrast of 3 on the light stage and on the dark one, which leaves the hue to tell.
+const kRamp = [[122, 92, 214], [184, 74, 168], [220, 72, 88], [220, 104, 24], [186, 128, 8]];
 /** @param {number} share 0 … 1 */
 export function rampColour(share) {
   const u = Math.min(Math.max(share, 0), 1) * (kRamp.length - 1);

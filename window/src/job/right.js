@@ -6,6 +6,7 @@ import { fill, h, say } from '../shared/dom.js';
 import { watch } from '../shared/store.js';
 import { createEditor } from './editor.js';
 import { lineChosen, linesOfEntities } from './links.js';
+import { momentAt } from './motion.js';
 import { mountOrder } from './order_panel.js';
 import * as S from './state.js';
 import { motionOf } from './stage/painter.js';
@@ -92,7 +93,7 @@ function mountGcode(panel, store, actions) {
 /** Line of G-code at which the preview is, once it has begun. @param {S.State} s */
 function nowLine(s) {
   const motion = s.period > 0 ? motionOf(s) : null;
-  return motion ? motion.line[Math.min(Math.ceil(s.period), motion.n - 1)] : null;
+  return motion ? momentAt(motion, s.period).line : null;
 }
 
 /** @param {Element} panel @param {Store} store */

@@ -200,6 +200,7 @@ export function whyNotStart(state) {
   if (!state.job) return 'Open a scenario or drop a drawing first.';
   if (state.session && state.session.can_run === false) return 'This server only shows traces.';
   if (state.run && isGoing(state.run)) return 'A run is going on.';
+  if (state.job.readOnly && isChanged(state.job)) return 'Save a copy first: what is shipped stays as it is.';
   if (state.check.state === 'busy' || state.check.state === 'none') return 'The scenario is being checked.';
   const count = obstacles(state).length;
   if (count > 0) return count === 1 ? 'One fault must be mended first.' : `${count} faults must be mended first.`;

@@ -62,7 +62,7 @@ export function mountMiddle(element, store, actions) {
   watch(store, (s) => [s.selected, s.stage.measure, s.check.value?.drawing], (s) => {
     const facts = factsOf(s);
     readout.hidden = facts.length === 0;
-    fill(readout, h('dl', {}, facts.map(([name, value]) => [h('dt', {}, name), h('dd', {}, value)])));
+    fill(readout, h('dl', {}, facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))));
     if (s.selected.length > 0) say(spoken, s.selected.length === 1 ? `${facts[0][0]} ${facts[0][1]}, layer ${facts[1]?.[1]}` : `${s.selected.length} entities chosen`);
   });
   watch(store, (s) => [s.check.value?.drawing], (s) => mark(canvas, 'aria-label', s.check.value?.drawing
@@ -128,8 +128,8 @@ function factsOf(s) {
   const place = (s.plan.value?.order ?? []).indexOf(e.id);
   /** @type {[string, string][]} */
   const facts = [['Entity', `E${e.id}`], ['Layer', e.layer], ['Process', e.process], ['Length', `${e.length_mm.toFixed(3)} mm`]];
-  if (place >= 0) facts.push(['Place in the order', String(place + 1)]);
-  if (e.line > 0) facts.push(['Line of the drawing', String(e.line)]);
+  if (place >= 0) facts.push(['Place', String(place + 1)]);
+  if (e.line > 0) facts.push(['Line', String(e.line)]);
   return facts;
 }
 

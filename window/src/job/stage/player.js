@@ -43,7 +43,7 @@ export function mountPlayer(element, store) {
     ['power', 'speed', 'reach'].map((name) => h('option', { value: name }, name)));
   const facts = { line: h('b'), speed: h('b'), power: h('b'), place: h('b'), cut: h('b') };
   const moment = h('div', { class: 'moment' }, h('span', {}, 'Line ', facts.line), h('span', {}, 'Speed ', facts.speed), h('span', {}, 'Power ', facts.power), h('span', {}, 'Place ', facts.place), h('span', {}, 'Cut ', facts.cut));
-  const player = h('div', { class: 'player', role: 'group', 'aria-label': 'Preview' }, buttons, scrub, h('div', { class: 'buttons' }, time, speed, colour), moment);
+  const player = h('div', { class: 'player', role: 'group', 'aria-label': 'Preview' }, scrub, h('div', { class: 'transport' }, buttons, time, speed, colour), moment);
   element.append(player);
 
   watch(store, (s) => [s.plan.value, s.check.value?.machine], (s) => {
