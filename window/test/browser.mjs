@@ -199,7 +199,8 @@ export class Page {
   async drop(selector, files) {
     const at = await this.place(selector);
     const data = {items: [], files, dragOperationsMask: 1};
-    for (const type of ['dragEnter', 'dragOver', 'drop']) await this.send('Input.dispatchDragEvent', {type, ...at, data});
+    // Over the element twice: what the page shows for the drag may lie over it, and a drop needs a target that has said yes.
+    for (const type of ['dragEnter', 'dragOver', 'dragOver', 'drop']) await this.send('Input.dispatchDragEvent', {type, ...at, data});
   }
 
   /** Size of the window, and what the user prefers. */

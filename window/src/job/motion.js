@@ -105,7 +105,7 @@ export const usualSpeed = (duration_s, speeds) => {
 };
 
 // Violet over red to amber. All of it has a contrast of 3 on the light stage and on the dark one, which leaves the hue to tell.
-const kRamp = [[122, 92, 214], [184, 74, 168], [220, 72, 88], [220, 104, 24], [186, 128, 8]];
+const kRamp = [[122, 92, 214], [184, 74, 168], [220, 72, 88], [220, 104, 24], [176, 120, 8]];
 /** @param {number} share 0 … 1 */
 export function rampColour(share) {
   const u = Math.min(Math.max(share, 0), 1) * (kRamp.length - 1);
