@@ -12,9 +12,9 @@ import { parseArgs } from 'node:util';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 /** Scripts of the pages, by the name under which a page asks for them. */
-const scripts = { job: 'src/job/main.js', view: 'src/view/main.js' };
+const scripts = { main: 'src/main.js' };
 /** Files that are handed out as they are. */
-const pages = ['index.html', 'view.html'];
+const pages = ['index.html'];
 
 /**
  * The packages of which a bundle has something, by their folder in node_modules.

@@ -55,6 +55,7 @@ test('a refused input is told as such', () => {
 
 test('addresses of results hold every name', () => {
   assert.equal(resultPath('label/2026-x', 'verdict.json'), '/results/label/2026-x/verdict.json');
+  assert.equal(resultPath('results/label/2026-x', 'verdict.json'), '/results/label/2026-x/verdict.json');
   assert.equal(resultPath('my label/a#b', 'report.html'), '/results/my%20label/a%23b/report.html');
   assert.equal(resultPath('/results/my%20label', 'report.html'), '/results/my%20label/report.html');
 });

@@ -300,5 +300,5 @@ export function createActions(store) {
 }
 
 /** @param {string} folder of a run's results @param {string} file */
-export const resultPath = (folder, file) => `${folder.startsWith('/') ? folder : `/results/${folder}`}/${file}`
+export const resultPath = (folder, file) => `${folder.startsWith('/') ? '' : folder.startsWith('results/') ? '/' : '/results/'}${folder}/${file}`
   .split('/').map((part) => encodeURIComponent(decodeURIComponent(part))).join('/');

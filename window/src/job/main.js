@@ -6,7 +6,10 @@ import { createActions } from './actions.js';
 import { mountPage } from './page.js';
 import { initialState } from './state.js';
 
-const store = createStore(initialState());
-const actions = createActions(store);
-mountPage(/** @type {Element} */ (document.getElementById('job')), store, actions);
-actions.begin(new URLSearchParams(location.hash.slice(1)).get('scenario') ?? '');
+/** @param {Element} element */
+export function showJob(element) {
+  const store = createStore(initialState());
+  const actions = createActions(store);
+  mountPage(element, store, actions);
+  actions.begin(new URLSearchParams(location.hash.slice(1)).get('scenario') ?? '');
+}

@@ -8,7 +8,7 @@ const kMostLog = 500;
 
 /** @param {any} answer of POST /api/runs @param {string} scenario @returns {Run} */
 export const runBegun = (answer, scenario) => ({
-  id: String(answer.id), scenario, state: answer.state ?? 'running', command: answer.command ?? '', what: 'Starting',
+  id: String(answer.id), scenario, state: answer.state ?? 'waiting', command: answer.command ?? '', what: 'Starting',
   share: null, left_s: null, now_s: null, verdict: null, results: '', report: '', trace: '', exitCode: null, judged: null,
   log: [], stopping: false, fault: '',
 });
@@ -29,7 +29,7 @@ export function runTold(run, answer) {
   const next = {
     ...run, state: answer.state ?? run.state, command: answer.command ?? run.command, verdict: answer.verdict ?? run.verdict,
     results: answer.results ?? run.results, report: answer.report ?? run.report, trace: answer.trace ?? run.trace,
-    exitCode: answer.exit_code ?? run.exitCode, fault: answer.error ?? run.fault,
+    exitCode: answer.exit_code ?? run.exitCode, fault: answer.problem ?? run.fault,
   };
   return answer.progress ? runProgressed(next, answer.progress) : next;
 }

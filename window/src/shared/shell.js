@@ -3,10 +3,11 @@
 // @ts-check
 import { h, svg } from './dom.js';
 
-/** Pages of the window, by name. */
-const kPages = [
-  { name: 'job', title: 'Job', href: '/' },
-  { name: 'view', title: 'Trace', href: '/view' },
+/** Pages of the window: how they are called, where they are, and what fills them. A page but `job` fills `<main id=NAME>`.
+ * @type {{ name: string, title: string, href: string, load: () => Promise<any> }[]} */
+export const kPages = [
+  { name: 'job', title: 'Job', href: '/', load: () => import('../job/main.js') },
+  { name: 'view', title: 'Trace', href: '/view', load: () => import('../view/main.js') },
 ];
 
 /** @param {string} here name of the page that is shown @returns {Element[]} */
