@@ -43,8 +43,8 @@ test('checks that are not good, the failed ones first', () => {
 });
 
 test('figures with unit and limit', () => {
-  assert.equal(R.figureWords({ value: 0.0795, unit: 'mm', limit: 0.15, limit_is: 'upper', value_is: 'measured' }), '0.0795 mm, limit 0.1500 mm');
-  assert.equal(R.figureWords({ value: 4.5, unit: 'µs', limit: 0, limit_is: 'lower' }), '4.50 µs, limit at least 0.0000 µs');
+  assert.equal(R.figureWords({ value: 0.0795, unit: 'mm', limit: 0.15, limit_is: 'upper', value_is: 'measured' }), '0.0795 mm, limit 0.15 mm');
+  assert.equal(R.figureWords({ value: 4.5, unit: 'µs', limit: 0, limit_is: 'lower' }), '4.5 µs, limit at least 0 µs');
   assert.equal(R.figureWords({ value: null }), '');
 });
 

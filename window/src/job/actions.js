@@ -163,15 +163,16 @@ export function createActions(store) {
   }
 
   /**
-   * A scenario of one's own from a shipped one: the server rewrites the names of files in it.
+   * A scenario of one's own from a shipped one, as it was changed here: the server rewrites the names of files in it.
    * @param {string} from @param {string} name
    */
   async function copy(from, name) {
+    await edits;
     const before = job();
     update(S.having({ busy: `Copying ${from}` }));
     try {
-      const made = await sendJson('/api/new', { from, name });
-      await openMade(made);
+      const text = before && before.text !== before.saved ? { text: before.text } : {};
+      await openMade(await sendJson('/api/new', { from, name, ...text }));
       if (before && before.gcode !== null) update((state) => S.gcodeEdited(state, before.gcode));
     } catch (error) {
       complain(error);

@@ -71,17 +71,15 @@ export function verdictKind(verdict) {
   return verdict === 'INVALID' ? 'invalid' : 'none';
 }
 
-const digits = (/** @type {number} */ value) => {
-  const size = Math.abs(value);
-  return size >= 100 ? value.toFixed(0) : size >= 1 ? value.toFixed(2) : value.toFixed(4);
-};
+/** Three digits are enough to compare; the limit is shown as it was set. */
+const digits = (/** @type {number} */ value) => (Math.abs(value) >= 100 ? value.toFixed(0) : value === 0 ? '0' : Number(value.toPrecision(3)).toString());
 
 /** @param {any} check of verdict.json: "0.0795 mm, limit 0.1500 mm" */
 export function figureWords(check) {
   if (check.value === null || check.value === undefined || Number.isNaN(check.value)) return '';
   const unit = check.unit ? ` ${check.unit}` : '';
   const limit = check.limit === null || check.limit === undefined ? ''
-    : `, limit ${check.limit_is === 'lower' ? 'at least ' : ''}${digits(check.limit)}${unit}`;
+    : `, limit ${check.limit_is === 'lower' ? 'at least ' : ''}${check.limit}${unit}`;
   return `${check.value_is === 'at_least' ? 'at least ' : ''}${digits(check.value)}${unit}${limit}`;
 }
 

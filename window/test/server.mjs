@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// `kerfbench serve` on a folder of its own, for tests.
+import { spawn } from 'node:child_process';
+import { mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+const kLimit_ms = Number(process.env.KERFBENCH_BROWSER_LIMIT_MS ?? 60000);
+
+/**
+ * Starts it on an empty folder and waits for the address that it prints.
+ * @param {string} program path of kerfbench
+ * @returns {Promise<{ url: string, folder: string, close: () => Promise<void> }>} url: with the token that lets in once
+ */
+export async function serve(program) {
+  const folder = mkdtempSync(join(tmpdir(), 'kerfbench-window-'));
+  const child = spawn(program, ['serve', folder, '--port', '0'], { stdio: ['ignore', 'pipe', 'pipe'] });
+  const ended = new Promise((resolve) => child.once('exit', resolve));
+  let said = '';
+  const url = await new Promise((resolve, reject) => {
+    const end = setTimeout(() => reject(new Error(`no address within the limit:\n${said}`)), kLimit_ms);
+    const hear = (/** @type {Buffer} */ part) => {
+      said += part;
+      const found = /http:\/\/127\.0\.0\.1:\d+\/\?token=[\w-]+/.exec(said);
+      if (!found) return;
+      clearTimeout(end);
+      resolve(found[0]);
+    };
+    child.stdout.on('data', hear);
+    child.stderr.on('data', hear);
+    child.once('exit', (code) => reject(new Error(`kerfbench serve ended with ${code}:\n${said}`)));
+    child.once('error', reject);
+  });
+  return {
+    url,
+    folder,
+    async close() {
+      child.kill('SIGTERM');
+      await ended;
+      rmSync(folder, { recursive: true, force: true });
+    },
+  };
+}
