@@ -12,6 +12,9 @@ if (page.name === 'job') {
   showJob(body);
 } else {
   // The other pages fill the element of their name below the bar.
-  fill(body, h('div', { class: 'other-page' }, h('header', { class: 'top' }, shellBar(page.name)), h('main', { id: page.name })));
+  fill(
+    body,
+    h('div', { class: 'other-page' }, h('header', { class: 'top' }, shellBar(page.name)), h('main', { id: page.name })),
+  );
   await page.load();
 }

@@ -9,12 +9,17 @@ const css = readFileSync(new URL('../src/shared/base.css', import.meta.url), 'ut
 /** Variables of the n-th :root block. */
 const block = (n) => {
   const text = [...css.matchAll(/:root\s*\{([^}]*)\}/g)][n][1];
-  return Object.fromEntries([...text.matchAll(/--([\w-]+):\s*(#[0-9a-f]{6})\b/g)].map(([, name, value]) => [name, value]));
+  return Object.fromEntries(
+    [...text.matchAll(/--([\w-]+):\s*(#[0-9a-f]{6})\b/g)].map(([, name, value]) => [name, value]),
+  );
 };
 const light = block(0);
 const schemes = { light, dark: { ...light, ...block(1) } };
 
-const rgb = (colour) => (colour.startsWith('#') ? [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16)) : colour.match(/\d+/g).map(Number));
+const rgb = (colour) =>
+  colour.startsWith('#')
+    ? [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16))
+    : colour.match(/\d+/g).map(Number);
 const luminance = (colour) => {
   const [r, g, b] = rgb(colour).map((c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4));
   return 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -27,13 +32,29 @@ const contrast = (a, b) => {
 const grounds = ['bg', 'card', 'stage'];
 const text = [
   ...grounds.flatMap((g) => ['fg', 'mute', 'acc'].map((c) => [c, g])),
-  ['on-acc', 'acc'], ['acc', 'acc-soft'], ['fg', 'acc-soft'], ['mute', 'acc-soft'],
-  ...['pass', 'fail', 'np', 'inv'].flatMap((c) => [[c, 'bg'], [c, 'card'], [c, `${c}-soft`], ['fg', `${c}-soft`], ['mute', `${c}-soft`], ['acc', `${c}-soft`]]),
-  ['half-cut', 'bg'], ['crease', 'bg'], ['fg', 'field'], ['mute', 'field'],
+  ['on-acc', 'acc'],
+  ['acc', 'acc-soft'],
+  ['fg', 'acc-soft'],
+  ['mute', 'acc-soft'],
+  ...['pass', 'fail', 'np', 'inv'].flatMap((c) => [
+    [c, 'bg'],
+    [c, 'card'],
+    [c, `${c}-soft`],
+    ['fg', `${c}-soft`],
+    ['mute', `${c}-soft`],
+    ['acc', `${c}-soft`],
+  ]),
+  ['half-cut', 'bg'],
+  ['crease', 'bg'],
+  ['fg', 'field'],
+  ['mute', 'field'],
 ];
 const shapes = [
   ...grounds.map((g) => ['edge', g]),
-  ...['cut', 'crease', 'half-cut', 'perforation', 'ignore', 'jump', 'acc', 'fail'].flatMap((c) => [[c, 'stage'], [c, 'field']]),
+  ...['cut', 'crease', 'half-cut', 'perforation', 'ignore', 'jump', 'acc', 'fail'].flatMap((c) => [
+    [c, 'stage'],
+    [c, 'field'],
+  ]),
 ];
 
 test('the contrast of black on white is 21', () => assert.ok(Math.abs(contrast('#000000', '#ffffff') - 21) < 1e-9));
@@ -53,7 +74,12 @@ for (const [name, colours] of Object.entries(schemes)) {
 test('the colours of the preview have 3 on both stages, and the legend shows the same', () => {
   for (let i = 0; i <= 20; ++i)
     for (const ground of ['stage', 'field'])
-      for (const colours of Object.values(schemes)) assert.ok(contrast(rampColour(i / 20), colours[ground]) >= 3, `${i} on ${ground}`);
-  const legend = readFileSync(new URL('../src/job/job.css', import.meta.url), 'utf8').match(/linear-gradient\(to right, (.*)\)/)[1];
-  assert.deepEqual(legend.replace(/ /g, '').split('),').map((c) => c.replace(')', '')), [0, 1, 2, 3, 4].map((i) => rampColour(i / 4).replace(')', '')));
+      for (const colours of Object.values(schemes))
+        assert.ok(contrast(rampColour(i / 20), colours[ground]) >= 3, `${i} on ${ground}`);
+  const css = readFileSync(new URL('../src/job/middle.css', import.meta.url), 'utf8');
+  const legend = css.match(/linear-gradient\(\s*to right,([^;]*)\);/)[1].match(/rgb\([^)]*\)/g);
+  assert.deepEqual(
+    legend.map((c) => c.replace(/\s/g, '')),
+    [0, 1, 2, 3, 4].map((i) => rampColour(i / 4)),
+  );
 });

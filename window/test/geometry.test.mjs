@@ -3,13 +3,35 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import * as G from '../src/job/stage/geometry.js';
 
-const square = { id: 1, closed: true, points_mm: [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]] };
-const line = { id: 2, closed: false, points_mm: [[20, 0], [30, 5]] };
+const square = {
+  id: 1,
+  closed: true,
+  points_mm: [
+    [0, 0],
+    [10, 0],
+    [10, 10],
+    [0, 10],
+    [0, 0],
+  ],
+};
+const line = {
+  id: 2,
+  closed: false,
+  points_mm: [
+    [20, 0],
+    [30, 5],
+  ],
+};
 const view = { scale: 4, dx: 100, dy: 300 };
 const near = (a, b) => a.forEach((x, i) => assert.ok(Math.abs(x - b[i]) < 1e-9, `${a} ${b}`));
 
 test('sheet to screen and back', () => {
-  for (const p of [[0, 0], [3.5, -2], [-100, 40]]) near(G.toSheet(view, G.toScreen(view, p)), p);
+  for (const p of [
+    [0, 0],
+    [3.5, -2],
+    [-100, 40],
+  ])
+    near(G.toSheet(view, G.toScreen(view, p)), p);
   assert.deepEqual(G.toScreen(view, [1, 1]), [104, 296], 'y goes up on the sheet and down on the screen');
 });
 
@@ -48,7 +70,11 @@ test('measuring catches ends and corners before lines, and nothing far away', ()
 });
 
 test('points of a flattened arc are no corners', () => {
-  const arc = { id: 3, closed: false, points_mm: Array.from({ length: 40 }, (_, i) => [Math.cos(i / 20), Math.sin(i / 20)]) };
+  const arc = {
+    id: 3,
+    closed: false,
+    points_mm: Array.from({ length: 40 }, (_, i) => [Math.cos(i / 20), Math.sin(i / 20)]),
+  };
   assert.equal(G.cornersOf(arc).length, 2);
   assert.equal(G.cornersOf(square).length, 5);
 });

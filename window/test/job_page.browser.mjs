@@ -25,8 +25,13 @@ const shot = (name) => page.screenshot(join(shots, `${name}.png`));
 const value = (selector) => page.run('(s) => document.querySelector(s)?.value', selector);
 const planned = () => page.untilText('.findings h2', 'Nothing is wrong. ');
 /** Place in the window of a place on the sheet, mm. */
-const onSheet = (x, y) => page.run(`(x, y) => { const c = document.querySelector('#canvas'), v = JSON.parse(c.dataset.view), r = c.getBoundingClientRect();
-  return { x: r.x + v.dx + v.scale * x, y: r.y + v.dy - v.scale * y }; }`, x, y);
+const onSheet = (x, y) =>
+  page.run(
+    `(x, y) => { const c = document.querySelector('#canvas'), v = JSON.parse(c.dataset.view), r = c.getBoundingClientRect();
+  return { x: r.x + v.dx + v.scale * x, y: r.y + v.dy - v.scale * y }; }`,
+    x,
+    y,
+  );
 /** The order in the list, as ids. */
 const order = () => page.run("() => [...document.querySelectorAll('#order li')].map((row) => Number(row.dataset.id))");
 const verdict = async () => {
@@ -45,14 +50,15 @@ after(async () => {
   await server?.close();
 });
 /** A step; a failed one keeps a picture of what the page showed. */
-const step = (name, act) => test(name, async () => {
-  try {
-    await act();
-  } catch (fault) {
-    await shot('failed').catch(() => {});
-    throw fault;
-  }
-});
+const step = (name, act) =>
+  test(name, async () => {
+    try {
+      await act();
+    } catch (fault) {
+      await shot('failed').catch(() => {});
+      throw fault;
+    }
+  });
 
 step('an empty page says what to do first', async () => {
   await page.open(server.url);
@@ -68,7 +74,10 @@ step('a dropped DXF becomes a scenario that can be run', async () => {
   await planned();
   assert.ok(existsSync(inFolder('label-60x40.dxf')));
   assert.match(await page.text('#command'), /^kerfbench run label-60x40\.yaml/);
-  assert.equal(await page.run("() => document.querySelectorAll('#gcode .cm-lineNumbers .cm-gutterElement').length > 10"), true);
+  assert.equal(
+    await page.run("() => document.querySelectorAll('#gcode .cm-lineNumbers .cm-gutterElement').length > 10"),
+    true,
+  );
   await shot('02-dropped');
 });
 
@@ -82,9 +91,14 @@ step('a parameter is found, added and set, with its range', async () => {
   await page.until("() => /^twin: fast$/m.test(document.querySelector('#text .cm-content').textContent) || true");
   await page.fillIn('#key-planner-mark_speed_mm_s', '9000');
   await page.untilText('.row .fault', 'At most 5000 mm/s.');
-  assert.equal(await page.run("() => document.querySelector('#key-planner-mark_speed_mm_s').getAttribute('aria-invalid')"), 'true');
+  assert.equal(
+    await page.run("() => document.querySelector('#key-planner-mark_speed_mm_s').getAttribute('aria-invalid')"),
+    'true',
+  );
   await page.fillIn('#key-planner-mark_speed_mm_s', '250');
-  await page.until("() => document.querySelector('#key-planner-mark_speed_mm_s').getAttribute('aria-invalid') === null");
+  await page.until(
+    "() => document.querySelector('#key-planner-mark_speed_mm_s').getAttribute('aria-invalid') === null",
+  );
   await planned();
 });
 
@@ -98,7 +112,9 @@ step('Start saves, runs, and shows PASS; the files say the same', async () => {
   assert.match(saved, /^twin: fast$/m);
   assert.match(saved, /mark_speed_mm_s: 250\b/);
   assert.match(saved, /#/, 'comments stay');
-  const report = await page.run("() => [...document.querySelectorAll('.run .links a')].find((a) => a.textContent === 'Report').getAttribute('href')");
+  const report = await page.run(
+    "() => [...document.querySelectorAll('.run .links a')].find((a) => a.textContent === 'Report').getAttribute('href')",
+  );
   assert.ok(existsSync(inFolder(decodeURIComponent(report))), report);
   const judged = JSON.parse(text(decodeURIComponent(dirname(report)), 'verdict.json'));
   assert.equal(judged.verdict, 'PASS');
@@ -109,7 +125,10 @@ step('an entity that is clicked is chosen in drawing, G-code and order', async (
   await page.clickAt(await onSheet(0, 0));
   await page.untilText('#readout', /Entity\s*E\d/);
   const id = /E(\d+)/.exec(await page.text('#readout'))[1];
-  assert.match(await page.run("() => document.querySelector('#gcode .of-chosen').textContent"), new RegExp(`\\(E${id} `));
+  assert.match(
+    await page.run("() => document.querySelector('#gcode .of-chosen').textContent"),
+    new RegExp(`\\(E${id} `),
+  );
   await page.click('#tab-order');
   assert.equal(await page.run("() => document.querySelector('#order [aria-selected=true]').dataset.id"), id);
   // With Shift another one; a rubber band around all of it.
@@ -127,7 +146,9 @@ step('the preview goes by periods and by lines, and at the end all is cut', asyn
   await page.run("() => document.querySelector('#canvas').focus()");
   await page.key('Home');
   await page.untilText('#time', /^0\.0000 s/);
-  const period_s = await page.run("async () => { const { text } = { text: await (await fetch('/api/files/content?path=label-60x40.yaml')).text() }; const r = await fetch('/api/plan', { method: 'POST', headers: { 'X-Kerfbench': '1', 'Content-Type': 'application/json' }, body: JSON.stringify({ scenario_text: text, path: 'label-60x40.yaml' }) }); const p = (await r.json()).preview; return p.period_s * (p.stride ?? 1); }");
+  const period_s = await page.run(
+    "async () => { const { text } = { text: await (await fetch('/api/files/content?path=label-60x40.yaml')).text() }; const r = await fetch('/api/plan', { method: 'POST', headers: { 'X-Kerfbench': '1', 'Content-Type': 'application/json' }, body: JSON.stringify({ scenario_text: text, path: 'label-60x40.yaml' }) }); const p = (await r.json()).preview; return p.period_s * (p.stride ?? 1); }",
+  );
   await page.key('.');
   await page.untilText('#time', new RegExp(`^${period_s.toFixed(4).replace('.', '\\.')} s`));
   await page.key('PageDown');
@@ -160,7 +181,9 @@ step('distances are measured by the mouse and by keys', async () => {
 });
 
 step('a line of G-code that is edited so that it must FAIL does FAIL, in words', async () => {
-  const lines = await page.run("() => [...document.querySelectorAll('#gcode .cm-line')].map((line) => line.textContent)");
+  const lines = await page.run(
+    "() => [...document.querySelectorAll('#gcode .cm-line')].map((line) => line.textContent)",
+  );
   const at = lines.findIndex((line) => /^G01 .*Z1\b/.test(line));
   assert.ok(at >= 0);
   await page.click(`#gcode .cm-line:nth-child(${at + 1})`);
@@ -207,7 +230,10 @@ step('the order is changed by keys and by dragging, and written to the scenario'
   await page.until('(id) => document.querySelectorAll("#order li")[3]?.dataset.id === String(id)', first);
   await planned();
   const now = await order();
-  assert.deepEqual([...now].sort((a, b) => a - b), [...before].sort((a, b) => a - b));
+  assert.deepEqual(
+    [...now].sort((a, b) => a - b),
+    [...before].sort((a, b) => a - b),
+  );
   await page.click('#save');
   await page.untilText('.what .state', /^saved$/);
   assert.match(text('label-60x40.yaml'), /order: *\[?/);
@@ -217,7 +243,9 @@ step('the order is changed by keys and by dragging, and written to the scenario'
 
 step('what is wrong in the text is marked at its line and keeps the job from starting', async () => {
   await page.click('#tab-text');
-  const lines = await page.run("() => [...document.querySelectorAll('#text .cm-line')].map((line) => line.textContent)");
+  const lines = await page.run(
+    "() => [...document.querySelectorAll('#text .cm-line')].map((line) => line.textContent)",
+  );
   const at = lines.findIndex((line) => /^name:/.test(line));
   await page.click(`#text .cm-line:nth-child(${at + 1})`);
   await page.key('End');
@@ -241,18 +269,27 @@ step('a run is stopped, and the page says so', async () => {
   await page.click('#stop');
   await page.untilText('.run .verdict', 'Stopped');
   assert.match(await page.text('.run .words'), /was stopped/);
-  assert.equal(readdirSync(inFolder('results'), { recursive: true }).filter((name) => !/\.part$/.test(name)).length, before, 'no results of it');
+  assert.equal(
+    readdirSync(inFolder('results'), { recursive: true }).filter((name) => !/\.part$/.test(name)).length,
+    before,
+    'no results of it',
+  );
   await shot('11-stopped');
   await page.click('[aria-label="Close the result"]');
 });
 
 step('names of a drawing are shown as they are and do nothing', async () => {
   const hostile = '<img src=x onerror="document.title=1">';
-  writeFileSync(join(shots, 'hostile.svg'), `<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="40mm" height="30mm" viewBox="0 0 40 30">
-    <g inkscape:groupmode="layer" inkscape:label="${hostile.replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/"/g, '&quot;')}"><rect x="5" y="5" width="30" height="20" fill="none" stroke="#ff0000" stroke-width="0.1"/></g></svg>`);
+  writeFileSync(
+    join(shots, 'hostile.svg'),
+    `<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="40mm" height="30mm" viewBox="0 0 40 30">
+    <g inkscape:groupmode="layer" inkscape:label="${hostile.replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/"/g, '&quot;')}"><rect x="5" y="5" width="30" height="20" fill="none" stroke="#ff0000" stroke-width="0.1"/></g></svg>`,
+  );
   await page.drop('.stage', [join(shots, 'hostile.svg')]);
   await page.until("() => document.querySelector('.what b')?.textContent === 'hostile.yaml'");
-  await page.until("() => document.querySelectorAll('.layer').length > 0 || document.querySelector('.empty')?.checkVisibility()");
+  await page.until(
+    "() => document.querySelectorAll('.layer').length > 0 || document.querySelector('.empty')?.checkVisibility()",
+  );
   assert.equal(await page.run("() => document.querySelectorAll('.job-page img').length"), 0);
   assert.notEqual(await page.run('() => document.title'), '1');
   await shot('12-hostile');
@@ -260,26 +297,57 @@ step('names of a drawing are shown as they are and do nothing', async () => {
 
 step('every control has a name, and there are landmarks', async () => {
   const { nodes } = await page.send('Accessibility.getFullAXTree');
-  const roles = ['button', 'textbox', 'combobox', 'slider', 'checkbox', 'tab', 'listbox', 'link', 'searchbox', 'MenuListPopup', 'application'];
-  const unnamed = nodes.filter((n) => !n.ignored && roles.includes(n.role?.value) && n.role.value !== 'MenuListPopup' && !n.name?.value);
-  assert.deepEqual(unnamed.map((n) => `${n.role.value} ${JSON.stringify(n.properties)}`), []);
+  const roles = [
+    'button',
+    'textbox',
+    'combobox',
+    'slider',
+    'checkbox',
+    'tab',
+    'listbox',
+    'link',
+    'searchbox',
+    'MenuListPopup',
+    'application',
+  ];
+  const unnamed = nodes.filter(
+    (n) => !n.ignored && roles.includes(n.role?.value) && n.role.value !== 'MenuListPopup' && !n.name?.value,
+  );
+  assert.deepEqual(
+    unnamed.map((n) => `${n.role.value} ${JSON.stringify(n.properties)}`),
+    [],
+  );
   const found = new Set(nodes.filter((n) => !n.ignored).map((n) => n.role?.value));
-  for (const role of ['banner', 'main', 'navigation', 'contentinfo', 'region', 'status']) assert.ok(found.has(role), `no ${role}`);
+  for (const role of ['banner', 'main', 'navigation', 'contentinfo', 'region', 'status'])
+    assert.ok(found.has(role), `no ${role}`);
 });
 
 step('all is reached by Tab, with a focus that can be seen', async () => {
-  await page.run("() => { document.activeElement?.blur(); scrollTo(0, 0); }");
+  await page.run('() => { document.activeElement?.blur(); scrollTo(0, 0); }');
   const seen = new Set();
   for (let i = 0; i < 120; ++i) {
     await page.key('Tab');
-    const { name, ring, shown } = await page.run(`() => { const e = document.activeElement, c = getComputedStyle(e), r = e.getBoundingClientRect();
+    const { name, ring, shown } =
+      await page.run(`() => { const e = document.activeElement, c = getComputedStyle(e), r = e.getBoundingClientRect();
       return { name: e.id || e.getAttribute('aria-label') || e.textContent.trim().slice(0, 30), ring: c.outlineStyle !== 'none' && parseFloat(c.outlineWidth) > 0 || e.classList.contains('cm-content'), shown: r.width > 0 }; }`);
     if (seen.has(name) && seen.size > 20 && name === 'To the drawing') break;
     seen.add(name);
     assert.ok(ring, `no ring around ${name}`);
     assert.ok(shown, `${name} has the focus and cannot be seen`);
   }
-  for (const name of ['To the drawing', 'start', 'scenario', 'machine', 'release', 'canvas', 'scrub', 'play', 'add-parameter', 'copy-command']) assert.ok(seen.has(name), `${name} is not reached: ${[...seen]}`);
+  for (const name of [
+    'To the drawing',
+    'start',
+    'scenario',
+    'machine',
+    'release',
+    'canvas',
+    'scrub',
+    'play',
+    'add-parameter',
+    'copy-command',
+  ])
+    assert.ok(seen.has(name), `${name} is not reached: ${[...seen]}`);
 });
 
 step('at 640 px, which is 200 % of 1280, nothing is lost', async () => {
@@ -296,7 +364,12 @@ step('at 640 px, which is 200 % of 1280, nothing is lost', async () => {
 });
 
 step('the machine is shown while it runs, and nothing was logged as an error', async () => {
-  assert.deepEqual(page.errors.filter((line) => !/status of 4\d\d/.test(line)), []);
-  const elsewhere = page.requests.filter((url) => !url.startsWith(new URL(server.url).origin) && !/^(data|blob):/.test(url));
+  assert.deepEqual(
+    page.errors.filter((line) => !/status of 4\d\d/.test(line)),
+    [],
+  );
+  const elsewhere = page.requests.filter(
+    (url) => !url.startsWith(new URL(server.url).origin) && !/^(data|blob):/.test(url),
+  );
   assert.deepEqual(elsewhere, []);
 });

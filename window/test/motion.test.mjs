@@ -1,12 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { lineOn, makeMotion, momentAt, rampColour, reachAt, reachShare, startOfLine, usualSpeed } from '../src/job/motion.js';
+import {
+  lineOn,
+  makeMotion,
+  momentAt,
+  rampColour,
+  reachAt,
+  reachShare,
+  startOfLine,
+  usualSpeed,
+} from '../src/job/motion.js';
 
 /** A jump of two periods, then a cut of three along x, on a belt. */
 const preview = () => ({
-  period_s: 0.001, stride: 1, x_mm: [0, 0, 0, 1, 2, 4], y_mm: [0, 1, 2, 2, 2, 2], power: [0, 0, 0, 100, 200, 255], gate: [0, 0, 0, 1, 1, 1],
-  speed_mm_s: [0, 1000, 1000, 1000, 1000, 2000], line: [[2, 3], [3, 3]], entity: [[-1, 3], [7, 3]],
+  period_s: 0.001,
+  stride: 1,
+  x_mm: [0, 0, 0, 1, 2, 4],
+  y_mm: [0, 1, 2, 2, 2, 2],
+  power: [0, 0, 0, 100, 200, 255],
+  gate: [0, 0, 0, 1, 1, 1],
+  speed_mm_s: [0, 1000, 1000, 1000, 1000, 2000],
+  line: [
+    [2, 3],
+    [3, 3],
+  ],
+  entity: [
+    [-1, 3],
+    [7, 3],
+  ],
   field: { min_mm: [-10, -5], max_mm: [10, 5], ref_x_mm: 2, belt_mm_s: 100 },
 });
 
@@ -18,7 +40,10 @@ test('a motion has the periods of the program as they are', () => {
     assert.equal(now.x_mm, preview().x_mm[i]);
     assert.equal(now.y_mm, preview().y_mm[i]);
   }
-  assert.deepEqual(motion.stretches, [{ line: 2, entity: null, first: 0, last: 2 }, { line: 3, entity: 7, first: 2, last: 5 }]);
+  assert.deepEqual(motion.stretches, [
+    { line: 2, entity: null, first: 0, last: 2 },
+    { line: 3, entity: 7, first: 2, last: 5 },
+  ]);
 });
 
 test('between two periods the place is on the way, power and speed are those of the period under way', () => {

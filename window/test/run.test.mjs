@@ -37,13 +37,25 @@ test('the last lines are kept, and not more than fit', () => {
 });
 
 test('checks that are not good, the failed ones first', () => {
-  const judged = { checks: [{ name: 'a', verdict: 'NOT PROVEN' }, { name: 'b', verdict: 'PASS' }, { name: 'c', verdict: 'FAIL' }] };
-  assert.deepEqual(R.badChecks(judged).map((c) => c.name), ['c', 'a']);
+  const judged = {
+    checks: [
+      { name: 'a', verdict: 'NOT PROVEN' },
+      { name: 'b', verdict: 'PASS' },
+      { name: 'c', verdict: 'FAIL' },
+    ],
+  };
+  assert.deepEqual(
+    R.badChecks(judged).map((c) => c.name),
+    ['c', 'a'],
+  );
   assert.deepEqual(R.badChecks(null), []);
 });
 
 test('figures with unit and limit', () => {
-  assert.equal(R.figureWords({ value: 0.0795, unit: 'mm', limit: 0.15, limit_is: 'upper', value_is: 'measured' }), '0.0795 mm, limit 0.15 mm');
+  assert.equal(
+    R.figureWords({ value: 0.0795, unit: 'mm', limit: 0.15, limit_is: 'upper', value_is: 'measured' }),
+    '0.0795 mm, limit 0.15 mm',
+  );
   assert.equal(R.figureWords({ value: 4.5, unit: 'µs', limit: 0, limit_is: 'lower' }), '4.5 µs, limit at least 0 µs');
   assert.equal(R.figureWords({ value: null }), '');
 });

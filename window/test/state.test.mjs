@@ -9,7 +9,11 @@ import * as S from '../src/job/state.js';
 import { createStore, watch } from '../src/shared/store.js';
 
 const open = (path = 'a.yaml', text = 'name: a\n') => S.opened(S.initialState(), path, text);
-const good = (state) => S.answered(S.answered(state, 'check', { issues: [], fits: true, drawing: null, values: {} }), 'plan', { issues: [], gcode: 'G00\n' });
+const good = (state) =>
+  S.answered(S.answered(state, 'check', { issues: [], fits: true, drawing: null, values: {} }), 'plan', {
+    issues: [],
+    gcode: 'G00\n',
+  });
 
 test('what was edited is undone and done again', () => {
   let s = S.edited(S.edited(open(), 'b'), 'c');
@@ -50,11 +54,19 @@ test('Start needs a job, a check without errors, and no other run', () => {
   assert.notEqual(S.whyNotStart(S.initialState()), '');
   assert.notEqual(S.whyNotStart(open()), '', 'not checked yet');
   assert.equal(S.whyNotStart(good(open())), '');
-  const bad = S.answered(good(open()), 'check', { issues: [{ message: 'x', severity: 'error' }, { message: 'y', severity: 'error' }] });
+  const bad = S.answered(good(open()), 'check', {
+    issues: [
+      { message: 'x', severity: 'error' },
+      { message: 'y', severity: 'error' },
+    ],
+  });
   assert.match(S.whyNotStart(bad), /^2 faults/);
   const noted = S.answered(good(open()), 'check', { issues: [{ message: 'x', severity: 'warning' }] });
   assert.equal(S.whyNotStart(noted), '');
-  const unfit = S.answered(good(open()), 'plan', { issues: [{ message: 'too fast', severity: 'error', line: 3 }], gcode: '' });
+  const unfit = S.answered(good(open()), 'plan', {
+    issues: [{ message: 'too fast', severity: 'error', line: 3 }],
+    gcode: '',
+  });
   assert.match(S.whyNotStart(unfit), /^One fault/);
   assert.notEqual(S.whyNotStart({ ...good(open()), run: { state: 'running' } }), '');
   assert.notEqual(S.whyNotStart({ ...good(open()), session: { can_run: false } }), '');
@@ -67,7 +79,10 @@ test('what is shipped is changed in a copy alone', () => {
 });
 
 test('faults of a scenario are not told twice by the plan that fails for them', () => {
-  const s = S.refused(S.answered(open(), 'check', { issues: [{ message: 'bad key', severity: 'error' }] }), 'plan', { message: 'bad key', issues: [] });
+  const s = S.refused(S.answered(open(), 'check', { issues: [{ message: 'bad key', severity: 'error' }] }), 'plan', {
+    message: 'bad key',
+    issues: [],
+  });
   assert.equal(S.obstacles(s).length, 1);
 });
 
@@ -86,8 +101,21 @@ test('the order that was moved is shown until it is planned', () => {
 });
 
 const plan = {
-  issues: [], gcode: '', order: [5, 9], entity_lines: [{ entity: 5, line_first: 2, line_last: 3 }, { entity: 9, line_first: 5, line_last: 5 }],
-  preview: { x_mm: new Array(11).fill(0), line: [[2, 3], [3, 4], [5, 4]] },
+  issues: [],
+  gcode: '',
+  order: [5, 9],
+  entity_lines: [
+    { entity: 5, line_first: 2, line_last: 3 },
+    { entity: 9, line_first: 5, line_last: 5 },
+  ],
+  preview: {
+    x_mm: new Array(11).fill(0),
+    line: [
+      [2, 3],
+      [3, 4],
+      [5, 4],
+    ],
+  },
 };
 
 test('entities, lines and periods lead to each other', () => {
@@ -140,9 +168,13 @@ test('ids are written as lint writes them', () => {
 
 test('names of files are relative to the scenario, and found again', () => {
   const places = { folder: '/home/me/jobs', shipped: '/opt/kerfbench/fixtures' };
-  const cases = [['a.yaml', 'b.dxf', 'b.dxf'], ['x/a.yaml', 'b.dxf', '../b.dxf'], ['a.yaml', 'x/b.dxf', 'x/b.dxf'],
+  const cases = [
+    ['a.yaml', 'b.dxf', 'b.dxf'],
+    ['x/a.yaml', 'b.dxf', '../b.dxf'],
+    ['a.yaml', 'x/b.dxf', 'x/b.dxf'],
     ['a.yaml', 'shipped/machines/m.yaml', '../../../opt/kerfbench/fixtures/machines/m.yaml'],
-    ['shipped/scenarios/n/a.yaml', 'shipped/machines/m.yaml', '../../machines/m.yaml']];
+    ['shipped/scenarios/n/a.yaml', 'shipped/machines/m.yaml', '../../machines/m.yaml'],
+  ];
   for (const [scenario, file, name] of cases) {
     assert.equal(nameInScenario(places, scenario, file), name);
     assert.equal(pathOfName(places, scenario, name, ['other', file]), file);
@@ -155,14 +187,23 @@ test('the command is one that a shell takes as it is', () => {
   assert.equal(quoted("it's"), "'it'\\''s'");
   assert.equal(quoted('shipped/a-1.yaml'), 'shipped/a-1.yaml');
   assert.equal(commandOf(open('my job.yaml')), "kerfbench run 'my job.yaml'");
-  assert.equal(commandOf({ ...open(), run: { state: 'running', scenario: 'b.yaml', command: 'kerfbench run b.yaml --seed 3' } }), 'kerfbench run b.yaml --seed 3');
+  assert.equal(
+    commandOf({ ...open(), run: { state: 'running', scenario: 'b.yaml', command: 'kerfbench run b.yaml --seed 3' } }),
+    'kerfbench run b.yaml --seed 3',
+  );
 });
 
 test('a store tells changes in their order, and watchers only what they look at', () => {
   const store = createStore({ a: 0, b: 0 });
   const seen = [];
-  watch(store, (s) => [s.a], (s) => seen.push(s.a));
-  store.subscribe((s) => { if (s.a === 1) store.update((t) => ({ ...t, a: 2 })); });
+  watch(
+    store,
+    (s) => [s.a],
+    (s) => seen.push(s.a),
+  );
+  store.subscribe((s) => {
+    if (s.a === 1) store.update((t) => ({ ...t, a: 2 }));
+  });
   store.update((s) => ({ ...s, b: 5 }));
   store.update((s) => ({ ...s, a: 1 }));
   assert.deepEqual(seen, [0, 1, 2]);

@@ -22,7 +22,11 @@ const query = (/** @type {string} */ path) => `?path=${encodeURIComponent(path)}
 export const endingOf = (path) => path.slice(path.lastIndexOf('.') + 1).toLowerCase();
 /** A name that the server takes: letters, digits, space, point, underscore, hyphen. @param {string} name */
 export function tameName(name) {
-  const tame = name.normalize('NFKD').replace(/[\u0300-\u036f]/g, '').replace(/[^A-Za-z0-9 ._-]+/g, '-').replace(/^[. -]+/, '');
+  const tame = name
+    .normalize('NFKD')
+    .replace(/[\u0300-\u036f]/g, '')
+    .replace(/[^A-Za-z0-9 ._-]+/g, '-')
+    .replace(/^[. -]+/, '');
   return tame === '' ? 'drawing' : tame;
 }
 
@@ -71,17 +75,24 @@ export function createActions(store) {
 
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let settling;
-  watch(store, (state) => [state.job?.path, state.job?.text, state.job?.gcode], (state) => {
-    clearTimeout(settling);
-    if (!state.job) return;
-    const fresh = state.check.state === 'none';
-    const { text: scenario_text, path, gcode } = state.job;
-    // At once for a scenario that was just opened; while somebody types, when he pauses.
-    settling = setTimeout(() => {
-      ask('check', { scenario_text, path });
-      ask('plan', gcode === null ? { scenario_text, path } : { scenario_text, path, gcode });
-    }, fresh ? 0 : kSettle_ms);
-  });
+  watch(
+    store,
+    (state) => [state.job?.path, state.job?.text, state.job?.gcode],
+    (state) => {
+      clearTimeout(settling);
+      if (!state.job) return;
+      const fresh = state.check.state === 'none';
+      const { text: scenario_text, path, gcode } = state.job;
+      // At once for a scenario that was just opened; while somebody types, when he pauses.
+      settling = setTimeout(
+        () => {
+          ask('check', { scenario_text, path });
+          ask('plan', gcode === null ? { scenario_text, path } : { scenario_text, path, gcode });
+        },
+        fresh ? 0 : kSettle_ms,
+      );
+    },
+  );
 
   /** @param {string} path */
   async function open(path) {
@@ -152,7 +163,9 @@ export function createActions(store) {
         ({ text } = await sendJson('/api/edit', { text, set: [{ path: 'planner.gcode', value: name }] }));
         update((state) => S.edited(state, text));
       }
-      const answer = await sendJson('/api/scenario' + query(path), gcode === null ? { text } : { text, gcode }, { method: 'PUT' });
+      const answer = await sendJson('/api/scenario' + query(path), gcode === null ? { text } : { text, gcode }, {
+        method: 'PUT',
+      });
       update((state) => S.saved({ ...state, busy: '', notice: null }, answer.path ?? path, text));
       loadFiles().catch(complain);
       return true;
@@ -206,7 +219,11 @@ export function createActions(store) {
       } else if (kDrawings.includes(ending) || ['yaml', 'yml', 'hex', 'elf', 'bin', 'ihx'].includes(ending)) {
         await upload(file, ending);
       } else {
-        update(S.failed(`“${file.name}” is neither a drawing (.dxf, .svg, .cf2, .pdf), a scenario (.yaml), G-code (.gcode) nor a release (.hex, .elf, .bin).`));
+        update(
+          S.failed(
+            `“${file.name}” is neither a drawing (.dxf, .svg, .cf2, .pdf), a scenario (.yaml), G-code (.gcode) nor a release (.hex, .elf, .bin).`,
+          ),
+        );
       }
     }
   }
@@ -236,7 +253,8 @@ export function createActions(store) {
   function follow(id) {
     unfollow?.();
     /** @param {(run: S.Run) => S.Run} change */
-    const changed = (change) => update((state) => (state.run?.id === id ? { ...state, run: change(state.run) } : state));
+    const changed = (change) =>
+      update((state) => (state.run?.id === id ? { ...state, run: change(state.run) } : state));
     unfollow = followRun(id, {
       progress: (data) => changed((run) => runProgressed(run, data)),
       log: (data) => changed((run) => runSaid(run, data)),
@@ -281,7 +299,10 @@ export function createActions(store) {
   /** Session, files and reference; then the run that goes on, and the scenario that the address names. @param {string} wanted */
   async function begin(wanted) {
     try {
-      const [session, reference] = await Promise.all([getJson('/api/session'), getJson('/api/reference?page=scenario')]);
+      const [session, reference] = await Promise.all([
+        getJson('/api/session'),
+        getJson('/api/reference?page=scenario'),
+      ]);
       update(S.having({ session, reference: reference.sections }));
       await loadFiles();
       const { runs } = await getJson('/api/runs');
@@ -301,5 +322,8 @@ export function createActions(store) {
 }
 
 /** @param {string} folder of a run's results @param {string} file */
-export const resultPath = (folder, file) => `${folder.startsWith('/') ? '' : folder.startsWith('results/') ? '/' : '/results/'}${folder}/${file}`
-  .split('/').map((part) => encodeURIComponent(decodeURIComponent(part))).join('/');
+export const resultPath = (folder, file) =>
+  `${folder.startsWith('/') ? '' : folder.startsWith('results/') ? '/' : '/results/'}${folder}/${file}`
+    .split('/')
+    .map((part) => encodeURIComponent(decodeURIComponent(part)))
+    .join('/');

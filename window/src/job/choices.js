@@ -11,7 +11,14 @@ const kDash = { cut: '', 'half-cut': '6 2 1.5 2', crease: '5 2.5', perforation: 
 
 /** The line by which a process is drawn, as a picture. @param {string} process */
 export function swatch(process) {
-  const line = svg('line', { x1: 0, y1: 6, x2: 18, y2: 6, stroke: `var(--${process}, var(--ignore))`, 'stroke-dasharray': /** @type {any} */ (kDash)[process] ?? '' });
+  const line = svg('line', {
+    x1: 0,
+    y1: 6,
+    x2: 18,
+    y2: 6,
+    stroke: `var(--${process}, var(--ignore))`,
+    'stroke-dasharray': /** @type {any} */ (kDash)[process] ?? '',
+  });
   return svg('svg', { class: 'swatch', viewBox: '0 0 18 12', 'aria-hidden': 'true' }, line);
 }
 
@@ -27,15 +34,27 @@ function fillSelect(select, options, value, hint = '') {
   const own = options.filter((o) => !o.shipped);
   const shipped = options.filter((o) => o.shipped);
   const known = options.some((o) => o.value === value);
-  fill(select, hint && h('option', { value: '' }, hint), !known && value !== '' && h('option', { value }, value),
+  fill(
+    select,
+    hint && h('option', { value: '' }, hint),
+    !known && value !== '' && h('option', { value }, value),
     own.length > 0 && h('optgroup', { label: 'In this folder' }, own.map(option)),
-    shipped.length > 0 && h('optgroup', { label: 'Shipped with Kerfbench' }, shipped.map(option)));
+    shipped.length > 0 && h('optgroup', { label: 'Shipped with Kerfbench' }, shipped.map(option)),
+  );
   select.value = value;
 }
 
 /** @param {{ path: string, name?: string, title?: string }[]} list */
-const optionsOf = (list) => list.map((f) => ({ value: f.path, shipped: S.isShipped(f.path),
-  text: f.title ? `${baseName(f.path)}: ${f.title}` : S.isShipped(f.path) ? f.path.split('/').slice(2).join('/') || baseName(f.path) : f.path }));
+const optionsOf = (list) =>
+  list.map((f) => ({
+    value: f.path,
+    shipped: S.isShipped(f.path),
+    text: f.title
+      ? `${baseName(f.path)}: ${f.title}`
+      : S.isShipped(f.path)
+        ? f.path.split('/').slice(2).join('/') || baseName(f.path)
+        : f.path,
+  }));
 
 /** @param {Element} element @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
 export function mountChoices(element, store, actions) {
@@ -69,26 +88,63 @@ function pick(box, id, label, chosen) {
 function pickScenario(box, store, actions) {
   const { select, wrong } = pick(box, 'scenario', 'Scenario', async (path) => {
     const { job } = store.get();
-    if (S.isChanged(job) && !confirm(`${job?.path} is not saved. Leave it as it is in the file?`)) select.value = job?.path ?? '';
+    if (S.isChanged(job) && !confirm(`${job?.path} is not saved. Leave it as it is in the file?`))
+      select.value = job?.path ?? '';
     else if (path !== '') actions.open(path);
   });
-  watch(store, (s) => [s.files, s.job?.path, s.check], (s) => {
-    fillSelect(select, optionsOf(s.files.scenarios), s.job?.path ?? '', s.job ? '' : 'Choose one…');
-    const general = (s.check.value?.issues ?? []).filter((/** @type {any} */ i) => (i.key ?? '') === '' && (i.file ?? '') === '' && (i.severity ?? 'error') === 'error');
-    wrong(s.check.state === 'failed' ? s.check.fault?.message ?? '' : general.map((/** @type {any} */ i) => (i.line ? `Line ${i.line}: ${i.message}` : i.message)).join(' '));
-  });
+  watch(
+    store,
+    (s) => [s.files, s.job?.path, s.check],
+    (s) => {
+      fillSelect(select, optionsOf(s.files.scenarios), s.job?.path ?? '', s.job ? '' : 'Choose one…');
+      const general = (s.check.value?.issues ?? []).filter(
+        (/** @type {any} */ i) => (i.key ?? '') === '' && (i.file ?? '') === '' && (i.severity ?? 'error') === 'error',
+      );
+      wrong(
+        s.check.state === 'failed'
+          ? (s.check.fault?.message ?? '')
+          : general.map((/** @type {any} */ i) => (i.line ? `Line ${i.line}: ${i.message}` : i.message)).join(' '),
+      );
+    },
+  );
 }
 
 /** @param {import('./actions.js').Actions} actions */
 function loader(actions) {
-  const file = h('input', { type: 'file', id: 'file', multiple: true, class: 'visually-hidden', tabindex: -1, 'aria-hidden': 'true',
-    on: { change: () => { actions.take([...file.files]); file.value = ''; } } });
-  return h('p', { class: 'drop-hint' }, h('button', { id: 'load', on: { click: () => file.click() } }, 'Load a drawing…'), file, 'or drop a DXF or SVG');
+  const file = h('input', {
+    type: 'file',
+    id: 'file',
+    multiple: true,
+    class: 'visually-hidden',
+    tabindex: -1,
+    'aria-hidden': 'true',
+    on: {
+      change: () => {
+        actions.take([...file.files]);
+        file.value = '';
+      },
+    },
+  });
+  return h(
+    'p',
+    { class: 'drop-hint' },
+    h('button', { id: 'load', on: { click: () => file.click() } }, 'Load a drawing…'),
+    file,
+    'or drop a DXF or SVG',
+  );
 }
 
 /** @param {S.State} s @param {(key: string) => boolean} about */
-const faultsAbout = (s, about) => [...S.issuesByKey(s)].filter(([key]) => about(key)).flatMap(([, issues]) => issues.map((i) => i.message))
-  .concat(Object.entries(s.editFault).filter(([key]) => about(key)).map(([, words]) => words)).join(' ');
+const faultsAbout = (s, about) =>
+  [...S.issuesByKey(s)]
+    .filter(([key]) => about(key))
+    .flatMap(([, issues]) => issues.map((i) => i.message))
+    .concat(
+      Object.entries(s.editFault)
+        .filter(([key]) => about(key))
+        .map(([, words]) => words),
+    )
+    .join(' ');
 
 /** @param {Element} box @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
 function pickDrawing(box, store, actions) {
@@ -99,17 +155,30 @@ function pickDrawing(box, store, actions) {
     const key = 'dieline.file' in values ? 'dieline.file' : 'dieline';
     actions.setKeys([{ path: key, value: nameInScenario(session, job.path, path) }]);
   });
-  watch(store, (s) => [s.files, s.job, s.check, s.editFault], (s) => {
-    row.hidden = !s.job;
-    if (!s.job || !s.session) return;
-    const values = s.check.value?.values ?? {};
-    const name = s.check.value?.drawing?.file ?? values.dieline ?? values['dieline.file'] ?? '';
-    const paths = s.files.drawings.map((/** @type {any} */ f) => f.path);
-    fillSelect(select, optionsOf(s.files.drawings), paths.includes(name) ? name : pathOfName(s.session, s.job.path, String(name), paths));
-    const ofDrawing = (s.check.value?.issues ?? []).filter((/** @type {any} */ i) => (i.file ?? '') !== '' && (i.severity ?? 'error') === 'error' && !s.check.value?.drawing);
-    wrong(faultsAbout(s, (key) => key === 'dieline' || key === 'dieline.file')
-      || ofDrawing.map((/** @type {any} */ i) => `${i.file}${i.line ? `:${i.line}` : ''}: ${i.message}`).join(' '));
-  });
+  watch(
+    store,
+    (s) => [s.files, s.job, s.check, s.editFault],
+    (s) => {
+      row.hidden = !s.job;
+      if (!s.job || !s.session) return;
+      const values = s.check.value?.values ?? {};
+      const name = s.check.value?.drawing?.file ?? values.dieline ?? values['dieline.file'] ?? '';
+      const paths = s.files.drawings.map((/** @type {any} */ f) => f.path);
+      fillSelect(
+        select,
+        optionsOf(s.files.drawings),
+        paths.includes(name) ? name : pathOfName(s.session, s.job.path, String(name), paths),
+      );
+      const ofDrawing = (s.check.value?.issues ?? []).filter(
+        (/** @type {any} */ i) =>
+          (i.file ?? '') !== '' && (i.severity ?? 'error') === 'error' && !s.check.value?.drawing,
+      );
+      wrong(
+        faultsAbout(s, (key) => key === 'dieline' || key === 'dieline.file') ||
+          ofDrawing.map((/** @type {any} */ i) => `${i.file}${i.line ? `:${i.line}` : ''}: ${i.message}`).join(' '),
+      );
+    },
+  );
 }
 
 /** @param {Element} box @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
@@ -118,15 +187,23 @@ function pickMachine(box, store, actions) {
     const { job, session } = store.get();
     if (job) actions.setKeys([{ path: 'machine', value: nameInScenario(session, job.path, path) }]);
   });
-  watch(store, (s) => [s.files, s.job, s.check, s.editFault], (s) => {
-    row.hidden = !s.job;
-    if (!s.job || !s.session) return;
-    const name = s.check.value?.machine?.file ?? s.check.value?.values?.machine ?? '';
-    const paths = s.files.machines.map((/** @type {any} */ f) => f.path);
-    const options = s.files.machines.map((/** @type {any} */ f) => ({ value: f.path, text: f.name ?? baseName(f.path), shipped: S.isShipped(f.path) }));
-    fillSelect(select, options, paths.includes(name) ? name : pathOfName(s.session, s.job.path, String(name), paths));
-    wrong(faultsAbout(s, (key) => key === 'machine'));
-  });
+  watch(
+    store,
+    (s) => [s.files, s.job, s.check, s.editFault],
+    (s) => {
+      row.hidden = !s.job;
+      if (!s.job || !s.session) return;
+      const name = s.check.value?.machine?.file ?? s.check.value?.values?.machine ?? '';
+      const paths = s.files.machines.map((/** @type {any} */ f) => f.path);
+      const options = s.files.machines.map((/** @type {any} */ f) => ({
+        value: f.path,
+        text: f.name ?? baseName(f.path),
+        shipped: S.isShipped(f.path),
+      }));
+      fillSelect(select, options, paths.includes(name) ? name : pathOfName(s.session, s.job.path, String(name), paths));
+      wrong(faultsAbout(s, (key) => key === 'machine'));
+    },
+  );
 }
 
 /** Keys of the section `firmware` that belong to an image; the others (baud, lines) stay as they are. */
@@ -141,7 +218,11 @@ export function releaseKeys(image, values, name) {
   /** @type {Record<string, any>} */
   const firmware = image.firmware ?? { image: name, ...(image.mcu ? { mcu: image.mcu } : {}) };
   return kOfImage
-    .filter((key) => key in firmware ? values[`firmware.${key}`] !== firmware[key] : image.firmware !== undefined && `firmware.${key}` in values)
+    .filter((key) =>
+      key in firmware
+        ? values[`firmware.${key}`] !== firmware[key]
+        : image.firmware !== undefined && `firmware.${key}` in values,
+    )
     .map((key) => ({ path: `firmware.${key}`, value: firmware[key] ?? null }));
 }
 
@@ -154,17 +235,41 @@ function pickRelease(box, store, actions) {
     const set = releaseKeys(image, check.value?.values ?? {}, nameInScenario(session, job.path, path));
     if (set.length > 0) actions.setKeys(set);
   });
-  watch(store, (s) => [s.files, s.job, s.check, s.editFault], (s) => {
-    row.hidden = !s.job;
-    if (!s.job || !s.session) return;
-    const values = s.check.value?.values ?? {};
-    const name = String(values['firmware.image'] ?? '');
-    const images = /** @type {any[]} */ (s.files.images);
-    const found = images.find((i) => i.firmware?.image === name) ?? images.find((i) => i.path === pathOfName(s.session, s.job?.path ?? '', name, images.map((x) => x.path)));
-    const options = images.map((i) => ({ value: i.path, text: i.title ?? `${baseName(i.path)}${i.mcu ? ` (${i.mcu})` : ''}`, shipped: S.isShipped(i.path) }));
-    fillSelect(select, options, found?.path ?? name, name === '' && !found ? values['firmware.source'] ?? 'none' : '');
-    wrong(faultsAbout(s, (key) => key === 'firmware' || kOfImage.some((k) => key === `firmware.${k}`)));
-  });
+  watch(
+    store,
+    (s) => [s.files, s.job, s.check, s.editFault],
+    (s) => {
+      row.hidden = !s.job;
+      if (!s.job || !s.session) return;
+      const values = s.check.value?.values ?? {};
+      const name = String(values['firmware.image'] ?? '');
+      const images = /** @type {any[]} */ (s.files.images);
+      const found =
+        images.find((i) => i.firmware?.image === name) ??
+        images.find(
+          (i) =>
+            i.path ===
+            pathOfName(
+              s.session,
+              s.job?.path ?? '',
+              name,
+              images.map((x) => x.path),
+            ),
+        );
+      const options = images.map((i) => ({
+        value: i.path,
+        text: i.title ?? `${baseName(i.path)}${i.mcu ? ` (${i.mcu})` : ''}`,
+        shipped: S.isShipped(i.path),
+      }));
+      fillSelect(
+        select,
+        options,
+        found?.path ?? name,
+        name === '' && !found ? (values['firmware.source'] ?? 'none') : '',
+      );
+      wrong(faultsAbout(s, (key) => key === 'firmware' || kOfImage.some((k) => key === `firmware.${k}`)));
+    },
+  );
 }
 
 /** @param {Element} element @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
@@ -174,23 +279,41 @@ function mountLayers(element, store, actions) {
   const box = h('div', { class: 'block' }, h('h2', {}, 'Layers'), list, fault);
   element.append(box);
   const make = (/** @type {any} */ layer) => {
-    const select = h('select', { 'aria-label': `Process of layer ${layer.name}`, on: { change: () =>
-      actions.setKeys([{ path: ['layers', layer.name], value: select.value }]) } }, kProcesses.map((p) => h('option', { value: p }, p)));
-    return h('li', { class: 'layer' }, h('span'), h('span', { class: 'name', title: layer.name }, layer.name), h('span', { class: 'count' }), select);
+    const select = h(
+      'select',
+      {
+        'aria-label': `Process of layer ${layer.name}`,
+        on: { change: () => actions.setKeys([{ path: ['layers', layer.name], value: select.value }]) },
+      },
+      kProcesses.map((p) => h('option', { value: p }, p)),
+    );
+    return h(
+      'li',
+      { class: 'layer' },
+      h('span'),
+      h('span', { class: 'name', title: layer.name }, layer.name),
+      h('span', { class: 'count' }),
+      select,
+    );
   };
   const update = (/** @type {any} */ row, /** @type {any} */ layer) => {
     fill(row.children[0], swatch(layer.process));
     say(row.children[2], `${layer.count} · ${layer.length_mm.toFixed(0)} mm`);
     const select = row.children[3];
-    if (!kProcesses.includes(layer.process) && select.options.length === kProcesses.length) select.append(h('option', { value: layer.process, disabled: true }, layer.process));
+    if (!kProcesses.includes(layer.process) && select.options.length === kProcesses.length)
+      select.append(h('option', { value: layer.process, disabled: true }, layer.process));
     select.value = layer.process;
   };
-  watch(store, (s) => [s.check.value, s.job === null, s.editFault], (s) => {
-    const layers = s.check.value?.drawing?.layers ?? [];
-    box.hidden = !s.job || layers.length === 0;
-    keyed(list, layers, (layer) => layer.name, make, update);
-    const words = faultsAbout(s, (key) => key === 'layers' || key.startsWith('layers.'));
-    say(fault, words);
-    fault.hidden = words === '';
-  });
+  watch(
+    store,
+    (s) => [s.check.value, s.job === null, s.editFault],
+    (s) => {
+      const layers = s.check.value?.drawing?.layers ?? [];
+      box.hidden = !s.job || layers.length === 0;
+      keyed(list, layers, (layer) => layer.name, make, update);
+      const words = faultsAbout(s, (key) => key === 'layers' || key.startsWith('layers.'));
+      say(fault, words);
+      fault.hidden = words === '';
+    },
+  );
 }

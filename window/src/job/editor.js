@@ -7,7 +7,15 @@ import { HighlightStyle, StreamLanguage, syntaxHighlighting } from '@codemirror/
 import { lintGutter, setDiagnostics } from '@codemirror/lint';
 import { highlightSelectionMatches, search, searchKeymap } from '@codemirror/search';
 import { Annotation, EditorState, RangeSet, StateEffect, StateField } from '@codemirror/state';
-import { Decoration, EditorView, drawSelection, highlightActiveLine, highlightActiveLineGutter, keymap, lineNumbers } from '@codemirror/view';
+import {
+  Decoration,
+  EditorView,
+  drawSelection,
+  highlightActiveLine,
+  highlightActiveLineGutter,
+  keymap,
+  lineNumbers,
+} from '@codemirror/view';
 import { tags } from '@lezer/highlight';
 import { styleNonce } from '../shared/api.js';
 
@@ -44,14 +52,21 @@ const look = EditorView.theme({
   '.cm-activeLine, .cm-activeLineGutter': { backgroundColor: 'transparent' },
   '&.cm-focused .cm-activeLine': { backgroundColor: 'var(--card)' },
   '.cm-cursor': { borderLeftColor: 'var(--fg)' },
-  '&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground': { backgroundColor: 'var(--acc-soft)' },
+  '&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground': {
+    backgroundColor: 'var(--acc-soft)',
+  },
   '.cm-line.of-chosen': { backgroundColor: 'var(--acc-soft)' },
   '.cm-line.of-now': { boxShadow: 'inset 3px 0 var(--acc)' },
   '.cm-tooltip, .cm-panels': { backgroundColor: 'var(--bg)', color: 'var(--fg)', border: '1px solid var(--line)' },
   '.cm-diagnostic-error': { borderLeftColor: 'var(--fail)' },
   '.cm-diagnostic-warning': { borderLeftColor: 'var(--np)' },
   '.cm-line.of-fault': { backgroundColor: 'var(--fail-soft)' },
-  '.cm-fault-words': { color: 'var(--fail)', fontFamily: 'var(--sans)', whiteSpace: 'normal', padding: '0 6px 2px 6px' },
+  '.cm-fault-words': {
+    color: 'var(--fail)',
+    fontFamily: 'var(--sans)',
+    whiteSpace: 'normal',
+    padding: '0 6px 2px 6px',
+  },
 });
 
 const fromOutside = Annotation.define();
@@ -73,13 +88,17 @@ const marks = StateField.define({
 function decorationsOf(state, { chosen, now, faults }) {
   const classes = new Map();
   const add = (/** @type {number | null} */ line, /** @type {string} */ name) => {
-    if (line !== null && line >= 1 && line <= state.doc.lines) classes.set(line, `${classes.get(line) ?? ''} ${name}`.trim());
+    if (line !== null && line >= 1 && line <= state.doc.lines)
+      classes.set(line, `${classes.get(line) ?? ''} ${name}`.trim());
   };
   chosen.forEach((line) => add(line, 'of-chosen'));
   faults.forEach((line) => add(line, 'of-fault'));
   add(now, 'of-now');
-  return RangeSet.of([...classes].sort((a, b) => a[0] - b[0])
-    .map(([line, name]) => Decoration.line({ class: name }).range(state.doc.line(line).from)));
+  return RangeSet.of(
+    [...classes]
+      .sort((a, b) => a[0] - b[0])
+      .map(([line, name]) => Decoration.line({ class: name }).range(state.doc.line(line).from)),
+  );
 }
 
 /** The part in which two texts differ. @param {string} a @param {string} b @returns {{ from: number, to: number, insert: string } | null} */
@@ -103,15 +122,28 @@ export function createEditor(parent, { label, language = gcodeWords, onText, onL
     state: EditorState.create({
       doc: '',
       extensions: [
-        EditorView.cspNonce.of(styleNonce()), lineNumbers(), lintGutter(), history(), drawSelection(), highlightActiveLine(), highlightActiveLineGutter(),
-        highlightSelectionMatches(), search({ top: true }), keymap.of([...searchKeymap, ...historyKeymap, ...defaultKeymap]),
-        language, syntaxHighlighting(colours), look, marks, EditorView.lineWrapping,
+        EditorView.cspNonce.of(styleNonce()),
+        lineNumbers(),
+        lintGutter(),
+        history(),
+        drawSelection(),
+        highlightActiveLine(),
+        highlightActiveLineGutter(),
+        highlightSelectionMatches(),
+        search({ top: true }),
+        keymap.of([...searchKeymap, ...historyKeymap, ...defaultKeymap]),
+        language,
+        syntaxHighlighting(colours),
+        look,
+        marks,
+        EditorView.lineWrapping,
         EditorView.contentAttributes.of({ 'aria-label': label, spellcheck: 'false' }),
         EditorView.updateListener.of((change) => {
           const outside = change.transactions.some((t) => t.annotation(fromOutside));
           if (change.docChanged && !outside) onText(change.state.doc.toString());
           const at = change.state.doc.lineAt(change.state.selection.main.head).number;
-          if (at !== line && !outside && (change.selectionSet || change.docChanged) && change.view.hasFocus) onLine?.(at);
+          if (at !== line && !outside && (change.selectionSet || change.docChanged) && change.view.hasFocus)
+            onLine?.(at);
           line = at;
         }),
       ],
@@ -130,16 +162,31 @@ export function createEditor(parent, { label, language = gcodeWords, onText, onL
     /** @param {{ line: number, column?: number, message: string, severity?: string }[]} issues */
     setIssues(issues) {
       const { doc } = view.state;
-      view.dispatch(setDiagnostics(view.state, issues.filter((i) => i.line >= 1 && i.line <= doc.lines).map((i) => {
-        const at = doc.line(i.line);
-        return { from: at.from, to: at.to, severity: i.severity === 'warning' ? 'warning' : 'error', message: i.message };
-      })));
+      view.dispatch(
+        setDiagnostics(
+          view.state,
+          issues
+            .filter((i) => i.line >= 1 && i.line <= doc.lines)
+            .map((i) => {
+              const at = doc.line(i.line);
+              return {
+                from: at.from,
+                to: at.to,
+                severity: i.severity === 'warning' ? 'warning' : 'error',
+                message: i.message,
+              };
+            }),
+        ),
+      );
     },
     /** Brings a line into view, where nobody types. @param {number} number */
     show(number) {
       if (view.hasFocus || number < 1 || number > view.state.doc.lines) return;
       const at = view.state.doc.line(number).from;
-      view.dispatch({ effects: EditorView.scrollIntoView(at, { y: 'nearest', yMargin: 40 }), annotations: fromOutside.of(true) });
+      view.dispatch({
+        effects: EditorView.scrollIntoView(at, { y: 'nearest', yMargin: 40 }),
+        annotations: fromOutside.of(true),
+      });
     },
     focus: () => view.focus(),
     view,

@@ -13,7 +13,8 @@ export const entityOfLine = (entityLines, line) =>
 /** Lines of G-code of these entities. @param {EntityLines[] | undefined} entityLines @param {number[]} ids @returns {number[]} */
 export function linesOfEntities(entityLines, ids) {
   const wanted = new Set(ids);
-  return (entityLines ?? []).filter((e) => wanted.has(e.entity))
+  return (entityLines ?? [])
+    .filter((e) => wanted.has(e.entity))
     .flatMap((e) => Array.from({ length: e.line_last - e.line_first + 1 }, (_, i) => e.line_first + i));
 }
 
@@ -35,9 +36,12 @@ export function periodOfLine(preview, line) {
 export function entitiesChosen(state, ids, how = 'only') {
   const next = selected(state, ids, how);
   const plan = state.plan.value;
-  const last = ids.length > 0 && next.selected.includes(ids[ids.length - 1]) ? ids[ids.length - 1] : next.selected[next.selected.length - 1];
-  const line = last === undefined ? null : linesOfEntities(plan?.entity_lines, [last])[0] ?? null;
-  const period = line === null || state.playing ? state.period : periodOfLine(plan?.preview, line) ?? state.period;
+  const last =
+    ids.length > 0 && next.selected.includes(ids[ids.length - 1])
+      ? ids[ids.length - 1]
+      : next.selected[next.selected.length - 1];
+  const line = last === undefined ? null : (linesOfEntities(plan?.entity_lines, [last])[0] ?? null);
+  const period = line === null || state.playing ? state.period : (periodOfLine(plan?.preview, line) ?? state.period);
   return { ...next, line, period };
 }
 
@@ -48,6 +52,6 @@ export function lineChosen(state, line) {
   // G-code that was edited since it was planned has other lines.
   const fits = state.plan.state === 'ready';
   const entity = fits ? entityOfLine(plan?.entity_lines, line) : null;
-  const period = fits && !state.playing ? periodOfLine(plan?.preview, line) ?? state.period : state.period;
+  const period = fits && !state.playing ? (periodOfLine(plan?.preview, line) ?? state.period) : state.period;
   return { ...state, line, selected: entity === null ? [] : [entity], period };
 }

@@ -41,8 +41,22 @@ export function makeMotion(preview, full_power_w) {
   }
   const step_s = preview.period_s * (preview.stride ?? 1);
   return {
-    n, line, entity, lit, cut_mm, jump_mm, stretches, step_s, mostSpeed, mostPower, full_power_w,
-    x: preview.x_mm, y: preview.y_mm, power: preview.power, speed: preview.speed_mm_s, field: preview.field ?? null,
+    n,
+    line,
+    entity,
+    lit,
+    cut_mm,
+    jump_mm,
+    stretches,
+    step_s,
+    mostSpeed,
+    mostPower,
+    full_power_w,
+    x: preview.x_mm,
+    y: preview.y_mm,
+    power: preview.power,
+    speed: preview.speed_mm_s,
+    field: preview.field ?? null,
     duration_s: Math.max(0, n - 1) * step_s,
   };
 }
@@ -57,16 +71,25 @@ export function momentAt(motion, period) {
   const w = i > 0 ? at - from : 0;
   const mix = (/** @type {ArrayLike<number>} */ a) => a[from] + w * (a[i] - a[from]);
   return {
-    period: i, t_s: at * motion.step_s, x_mm: mix(motion.x), y_mm: mix(motion.y), lit: motion.lit[i] === 1,
-    power_w: (motion.lit[i] ? motion.power[i] / 255 : 0) * motion.full_power_w, speed_mm_s: motion.speed[i], line: motion.line[i],
-    entity: motion.entity[i] >= 0 ? motion.entity[i] : null, cut_mm: mix(motion.cut_mm), jump_mm: mix(motion.jump_mm),
+    period: i,
+    t_s: at * motion.step_s,
+    x_mm: mix(motion.x),
+    y_mm: mix(motion.y),
+    lit: motion.lit[i] === 1,
+    power_w: (motion.lit[i] ? motion.power[i] / 255 : 0) * motion.full_power_w,
+    speed_mm_s: motion.speed[i],
+    line: motion.line[i],
+    entity: motion.entity[i] >= 0 ? motion.entity[i] : null,
+    cut_mm: mix(motion.cut_mm),
+    jump_mm: mix(motion.jump_mm),
   };
 }
 
 /** Period at which the next line ends, or the one before begins. @param {Motion} motion @param {number} period @param {1 | -1} sense */
 export function lineOn(motion, period, sense) {
   if (sense > 0) return motion.stretches.find((s) => s.last > period + 1e-9)?.last ?? motion.n - 1;
-  for (let k = motion.stretches.length; k-- > 0;) if (motion.stretches[k].first < period - 1e-9) return motion.stretches[k].first;
+  for (let k = motion.stretches.length; k-- > 0;)
+    if (motion.stretches[k].first < period - 1e-9) return motion.stretches[k].first;
   return 0;
 }
 
@@ -88,7 +111,8 @@ export function reachAt(motion, period) {
 export function reachShare(motion, period) {
   const reach = reachAt(motion, period);
   if (!reach) return 0;
-  const out = (/** @type {number} */ at, /** @type {number} */ a, /** @type {number} */ b) => Math.abs(at - (a + b) / 2) / Math.max((b - a) / 2, 1e-9);
+  const out = (/** @type {number} */ at, /** @type {number} */ a, /** @type {number} */ b) =>
+    Math.abs(at - (a + b) / 2) / Math.max((b - a) / 2, 1e-9);
   return Math.max(out(motion.x[period], reach.x0, reach.x1), out(motion.y[period], reach.y0, reach.y1));
 }
 
@@ -105,7 +129,13 @@ export const usualSpeed = (duration_s, speeds) => {
 };
 
 // Violet over red to amber. All of it has a contrast of 3 on the light stage and on the dark one, which leaves the hue to tell.
-const kRamp = [[122, 92, 214], [184, 74, 168], [220, 72, 88], [220, 104, 24], [176, 120, 8]];
+const kRamp = [
+  [122, 92, 214],
+  [184, 74, 168],
+  [220, 72, 88],
+  [220, 104, 24],
+  [176, 120, 8],
+];
 /** @param {number} share 0 … 1 */
 export function rampColour(share) {
   const u = Math.min(Math.max(share, 0), 1) * (kRamp.length - 1);

@@ -32,11 +32,15 @@ export function mountPage(root, store, actions) {
   mountRight(right, store, actions);
   takeDrops(store, actions);
   takeKeys(store, actions);
-  watch(store, (state) => [state.job?.path, S.isChanged(state.job)], ({ job }) => {
-    document.title = job ? `${S.isChanged(job) ? '• ' : ''}${job.path} · Kerfbench` : 'Kerfbench';
-    const hash = job ? `#scenario=${encodeURIComponent(job.path)}` : '';
-    if (hash && location.hash !== hash) history.replaceState(null, '', hash);
-  });
+  watch(
+    store,
+    (state) => [state.job?.path, S.isChanged(state.job)],
+    ({ job }) => {
+      document.title = job ? `${S.isChanged(job) ? '• ' : ''}${job.path} · Kerfbench` : 'Kerfbench';
+      const hash = job ? `#scenario=${encodeURIComponent(job.path)}` : '';
+      if (hash && location.hash !== hash) history.replaceState(null, '', hash);
+    },
+  );
   addEventListener('beforeunload', (event) => {
     if (S.isChanged(store.get().job)) event.preventDefault();
   });
@@ -47,67 +51,129 @@ function top(store, actions) {
   const name = h('b');
   const state = h('span', { class: 'state', role: 'status' });
   const save = () => (store.get().job?.readOnly ? saveAs(store, actions) : actions.save());
-  const undo = h('button', { class: 'plain', title: 'Undo (Ctrl Z)', 'aria-label': 'Undo', on: { click: () => store.update(S.undone) } }, icon('undo'));
-  const redo = h('button', { class: 'plain', title: 'Redo (Ctrl Shift Z)', 'aria-label': 'Redo', on: { click: () => store.update(S.redone) } }, icon('redo'));
+  const undo = h(
+    'button',
+    { class: 'plain', title: 'Undo (Ctrl Z)', 'aria-label': 'Undo', on: { click: () => store.update(S.undone) } },
+    icon('undo'),
+  );
+  const redo = h(
+    'button',
+    { class: 'plain', title: 'Redo (Ctrl Shift Z)', 'aria-label': 'Redo', on: { click: () => store.update(S.redone) } },
+    icon('redo'),
+  );
   const saveButton = h('button', { id: 'save', title: 'Ctrl S', on: { click: save } }, 'Save');
   const saveAsButton = h('button', { id: 'save-as', on: { click: () => saveAs(store, actions) } }, 'Save as…');
-  const start = h('button', { id: 'start', class: 'primary', 'aria-describedby': 'why-not', on: { click: () => actions.start() } }, 'Start');
+  const start = h(
+    'button',
+    { id: 'start', class: 'primary', 'aria-describedby': 'why-not', on: { click: () => actions.start() } },
+    'Start',
+  );
   const why = h('span', { id: 'why-not', class: 'visually-hidden' });
-  watch(store, (s) => [s.job, s.busy, s.check, s.plan, s.run, s.session], (s) => {
-    say(name, s.job ? s.job.path.slice(s.job.path.lastIndexOf('/') + 1) : '');
-    mark(name, 'title', s.job?.path);
-    const changed = S.isChanged(s.job);
-    say(state, s.busy || (!s.job ? '' : s.job.readOnly && !changed ? 'shipped, read only' : changed ? 'not saved' : 'saved'));
-    state.classList.toggle('changed', changed && !s.busy);
-    const reason = S.whyNotStart(s);
-    start.disabled = reason !== '' || s.busy !== '';
-    say(start, changed && !s.job?.readOnly ? 'Save and start' : 'Start');
-    mark(start, 'title', reason || 'Runs this scenario on the twin (Ctrl Enter)');
-    say(why, reason);
-    undo.disabled = !s.job?.past.length;
-    redo.disabled = !s.job?.future.length;
-    saveButton.disabled = !s.job || (!changed && !s.job.readOnly);
-    say(saveButton, s.job?.readOnly ? 'Save a copy…' : 'Save');
-    saveAsButton.hidden = !s.job || s.job.readOnly;
-    for (const button of [undo, redo, saveButton, start]) button.hidden = !s.job;
-  });
-  return h('header', { class: 'top' }, h('a', { class: 'skip', href: '#drawing' }, 'To the drawing'), shellBar('job'),
-    h('div', { class: 'what' }, name, state), h('div', { class: 'acts' }, undo, redo, saveButton, saveAsButton, start, why));
+  watch(
+    store,
+    (s) => [s.job, s.busy, s.check, s.plan, s.run, s.session],
+    (s) => {
+      say(name, s.job ? s.job.path.slice(s.job.path.lastIndexOf('/') + 1) : '');
+      mark(name, 'title', s.job?.path);
+      const changed = S.isChanged(s.job);
+      say(
+        state,
+        s.busy || (!s.job ? '' : s.job.readOnly && !changed ? 'shipped, read only' : changed ? 'not saved' : 'saved'),
+      );
+      state.classList.toggle('changed', changed && !s.busy);
+      const reason = S.whyNotStart(s);
+      start.disabled = reason !== '' || s.busy !== '';
+      say(start, changed && !s.job?.readOnly ? 'Save and start' : 'Start');
+      mark(start, 'title', reason || 'Runs this scenario on the twin (Ctrl Enter)');
+      say(why, reason);
+      undo.disabled = !s.job?.past.length;
+      redo.disabled = !s.job?.future.length;
+      saveButton.disabled = !s.job || (!changed && !s.job.readOnly);
+      say(saveButton, s.job?.readOnly ? 'Save a copy…' : 'Save');
+      saveAsButton.hidden = !s.job || s.job.readOnly;
+      for (const button of [undo, redo, saveButton, start]) button.hidden = !s.job;
+    },
+  );
+  return h(
+    'header',
+    { class: 'top' },
+    h('a', { class: 'skip', href: '#drawing' }, 'To the drawing'),
+    shellBar('job'),
+    h('div', { class: 'what' }, name, state),
+    h('div', { class: 'acts' }, undo, redo, saveButton, saveAsButton, start, why),
+  );
 }
 
 /** @param {Store} store */
 function foot(store) {
   const code = h('code', { id: 'command', tabindex: 0 });
   const told = h('span', { class: 'visually-hidden', role: 'status' });
-  const copy = h('button', { class: 'plain', id: 'copy-command', on: { click: async () => {
-    try {
-      await navigator.clipboard.writeText(code.textContent ?? '');
-      say(told, 'Copied.');
-      say(copy, 'Copied');
-    } catch {
-      // Without the right to write the clipboard the text is at least selected.
-      getSelection()?.selectAllChildren(code);
-      say(copy, 'Press Ctrl C');
-    }
-  } } }, 'Copy');
-  watch(store, (s) => [s.job?.path, s.run, s.session], (s) => {
-    say(code, commandOf(s));
-    say(copy, 'Copy');
-  });
+  const copy = h(
+    'button',
+    {
+      class: 'plain',
+      id: 'copy-command',
+      on: {
+        click: async () => {
+          try {
+            await navigator.clipboard.writeText(code.textContent ?? '');
+            say(told, 'Copied.');
+            say(copy, 'Copied');
+          } catch {
+            // Without the right to write the clipboard the text is at least selected.
+            getSelection()?.selectAllChildren(code);
+            say(copy, 'Press Ctrl C');
+          }
+        },
+      },
+    },
+    'Copy',
+  );
+  watch(
+    store,
+    (s) => [s.job?.path, s.run, s.session],
+    (s) => {
+      say(code, commandOf(s));
+      say(copy, 'Copy');
+    },
+  );
   return h('footer', { class: 'foot' }, h('span', { class: 'prompt' }, 'Same in a terminal'), code, copy, told);
 }
 
 /** What went wrong with the last thing that was asked for. @param {Element} element @param {Store} store */
 function mountNotice(element, store) {
   const words = h('div');
-  const close = h('button', { class: 'plain', 'aria-label': 'Close this message', on: { click: () => store.update(S.having({ notice: null })) } }, icon('close'));
+  const close = h(
+    'button',
+    {
+      class: 'plain',
+      'aria-label': 'Close this message',
+      on: { click: () => store.update(S.having({ notice: null })) },
+    },
+    icon('close'),
+  );
   const box = h('div', { class: 'notice', role: 'alert', hidden: true }, words, close);
   element.append(box);
-  watch(store, (s) => [s.notice], ({ notice }) => {
-    box.hidden = !notice;
-    fill(words, notice && h('p', {}, notice.text), notice && notice.issues.length > 0 && h('ul', {}, notice.issues.map((issue) =>
-      h('li', {}, issue.file ? `${issue.file}${issue.line ? `:${issue.line}` : ''}: ` : '', issue.message))));
-  });
+  watch(
+    store,
+    (s) => [s.notice],
+    ({ notice }) => {
+      box.hidden = !notice;
+      fill(
+        words,
+        notice && h('p', {}, notice.text),
+        notice &&
+          notice.issues.length > 0 &&
+          h(
+            'ul',
+            {},
+            notice.issues.map((issue) =>
+              h('li', {}, issue.file ? `${issue.file}${issue.line ? `:${issue.line}` : ''}: ` : '', issue.message),
+            ),
+          ),
+      );
+    },
+  );
 }
 
 /** @param {Store} store @param {import('./actions.js').Actions} actions */
@@ -119,7 +185,9 @@ function takeDrops(store, actions) {
     event.preventDefault();
     dragging(true);
   });
-  addEventListener('dragleave', (event) => { if (event.relatedTarget === null) dragging(false); });
+  addEventListener('dragleave', (event) => {
+    if (event.relatedTarget === null) dragging(false);
+  });
   addEventListener('drop', (event) => {
     dragging(false);
     if (!hasFiles(event)) return;

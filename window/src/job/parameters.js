@@ -16,15 +16,33 @@ export function mountParameters(element, store, actions) {
   const box = h('div', { class: 'block' }, h('h2', {}, 'Parameters'), groups, adder(store, actions));
   element.append(box);
   const context = (/** @type {S.State} */ s) => ({
-    values: s.check.value?.values ?? {}, own: new Set(s.check.value?.own ?? []), issues: S.issuesByKey(s), faults: s.editFault,
+    values: s.check.value?.values ?? {},
+    own: new Set(s.check.value?.own ?? []),
+    issues: S.issuesByKey(s),
+    faults: s.editFault,
   });
-  watch(store, (s) => [s.reference, s.check.value, s.editFault, s.job === null], (s) => {
-    box.hidden = !s.job;
-    const now = context(s);
-    keyed(groups, R.setKeys(s.reference, now.values), (group) => group.title,
-      (group) => h('fieldset', { class: 'group' }, h('legend', {}, group.title), h('div')),
-      (set, group) => keyed(set.lastElementChild, group.keys, (key) => key.path, (key) => makeRow(key, actions), (row, key) => row.show(key, now)));
-  });
+  watch(
+    store,
+    (s) => [s.reference, s.check.value, s.editFault, s.job === null],
+    (s) => {
+      box.hidden = !s.job;
+      const now = context(s);
+      keyed(
+        groups,
+        R.setKeys(s.reference, now.values),
+        (group) => group.title,
+        (group) => h('fieldset', { class: 'group' }, h('legend', {}, group.title), h('div')),
+        (set, group) =>
+          keyed(
+            set.lastElementChild,
+            group.keys,
+            (key) => key.path,
+            (key) => makeRow(key, actions),
+            (row, key) => row.show(key, now),
+          ),
+      );
+    },
+  );
 }
 
 /** @param {Key} key @param {import('./actions.js').Actions} actions */
@@ -49,13 +67,33 @@ function makeRow(key, actions) {
     actions.setKeys([{ path: key.path, value: read.value }]);
   };
   const input = makeField(key, id, enter);
-  const about = h('button', { class: 'plain', 'aria-label': `Help on ${R.label(key)}`, 'aria-expanded': 'false', 'aria-controls': help.id, on: { click: () => {
-    if (!help.firstChild) fill(help, helpOf(key));
-    help.hidden = !help.hidden;
-    about.setAttribute('aria-expanded', String(!help.hidden));
-  } } }, '?');
-  const remove = h('button', { class: 'plain', 'aria-label': `Remove ${R.label(key)}`, title: 'Remove: the default holds again', on: { click: () =>
-    actions.setKeys([{ path: key.path, value: null }]) } }, icon('close'));
+  const about = h(
+    'button',
+    {
+      class: 'plain',
+      'aria-label': `Help on ${R.label(key)}`,
+      'aria-expanded': 'false',
+      'aria-controls': help.id,
+      on: {
+        click: () => {
+          if (!help.firstChild) fill(help, helpOf(key));
+          help.hidden = !help.hidden;
+          about.setAttribute('aria-expanded', String(!help.hidden));
+        },
+      },
+    },
+    '?',
+  );
+  const remove = h(
+    'button',
+    {
+      class: 'plain',
+      'aria-label': `Remove ${R.label(key)}`,
+      title: 'Remove: the default holds again',
+      on: { click: () => actions.setKeys([{ path: key.path, value: null }]) },
+    },
+    icon('close'),
+  );
   const unit = key.unit ? h('span', { class: 'unit', 'aria-hidden': 'true' }, key.unit) : null;
   const field = h('div', { class: unit ? 'field has-unit' : 'field' }, input, unit);
   field.style.setProperty('--unit', `${key.unit?.length ?? 0}ch`);
@@ -64,13 +102,18 @@ function makeRow(key, actions) {
   row.show = (/** @type {Key} */ _, /** @type {any} */ now) => {
     shown = R.fieldText(now.values[key.path]);
     if (document.activeElement !== input || input.tagName !== 'INPUT') setField(input, key, shown, now.values);
-    const inherited = !now.own.has(key.path) && ![...now.own].some((path) => path.startsWith(`${key.path}[`) || path.startsWith(`${key.path}.`));
+    const inherited =
+      !now.own.has(key.path) &&
+      ![...now.own].some((path) => path.startsWith(`${key.path}[`) || path.startsWith(`${key.path}.`));
     row.classList.toggle('inherited', inherited);
     mark(label, 'title', inherited ? `${key.path}, from the file that this one extends` : key.path);
     remove.style.visibility = inherited || key.required ? 'hidden' : 'visible';
     const issues = now.issues.get(key.path) ?? [];
     const words = now.faults[key.path] ?? issues.map((/** @type {any} */ i) => i.message).join(' ');
-    wrong(words, words !== '' && !now.faults[key.path] && issues.every((/** @type {any} */ i) => i.severity === 'warning'));
+    wrong(
+      words,
+      words !== '' && !now.faults[key.path] && issues.every((/** @type {any} */ i) => i.severity === 'warning'),
+    );
   };
   return row;
 }
@@ -83,13 +126,26 @@ function makeField(key, id, enter) {
   if (isStructure(key)) return h('output', { id, class: 'value-text' });
   if (key.kind === 'flag' || (key.kind === 'choice' && !key.or_file)) {
     const choices = key.kind === 'flag' ? ['true', 'false'] : key.choices;
-    const select = h('select', { id, on: { change: () => enter(select.value) } }, choices.map((c) => h('option', { value: c }, c)));
+    const select = h(
+      'select',
+      { id, on: { change: () => enter(select.value) } },
+      choices.map((c) => h('option', { value: c }, c)),
+    );
     return select;
   }
-  const input = h('input', { id, type: 'text', autocomplete: 'off', spellcheck: 'false', inputmode: key.kind === 'number' ? 'decimal' : null, on: {
-    change: () => enter(input.value),
-    keydown: (/** @type {KeyboardEvent} */ event) => { if (event.key === 'Enter') enter(input.value); },
-  } });
+  const input = h('input', {
+    id,
+    type: 'text',
+    autocomplete: 'off',
+    spellcheck: 'false',
+    inputmode: key.kind === 'number' ? 'decimal' : null,
+    on: {
+      change: () => enter(input.value),
+      keydown: (/** @type {KeyboardEvent} */ event) => {
+        if (event.key === 'Enter') enter(input.value);
+      },
+    },
+  });
   return input;
 }
 
@@ -105,7 +161,11 @@ function setField(field, key, text, values) {
 
 /** How many entries a list or a section has. @param {Key} key @param {Record<string, any>} values */
 function structureWords(key, values) {
-  const of_list = new Set(Object.keys(values).filter((p) => p.startsWith(`${key.path}[`)).map((p) => p.slice(key.path.length).split(']')[0]));
+  const of_list = new Set(
+    Object.keys(values)
+      .filter((p) => p.startsWith(`${key.path}[`))
+      .map((p) => p.slice(key.path.length).split(']')[0]),
+  );
   const of_section = Object.keys(values).filter((p) => p.startsWith(`${key.path}.`)).length;
   const value = values[key.path];
   const count = Array.isArray(value) ? value.length : of_list.size || of_section;
@@ -115,14 +175,30 @@ function structureWords(key, values) {
 /** @param {Key} key */
 function helpOf(key) {
   const range = R.rangeWords(key);
-  const fact = (/** @type {string} */ name, /** @type {string} */ words) => words && [h('dt', {}, name), h('dd', {}, words)];
-  return [h('div', {}, markup(key.help_html)), h('dl', {}, fact('Key', key.path), fact('Range', range && `${range}${key.unit ? ` ${key.unit}` : ''}`),
-    fact('Default', key.required ? 'required' : key.default), isStructure(key) && fact('Change it', 'in the tab “Scenario”'))];
+  const fact = (/** @type {string} */ name, /** @type {string} */ words) =>
+    words && [h('dt', {}, name), h('dd', {}, words)];
+  return [
+    h('div', {}, markup(key.help_html)),
+    h(
+      'dl',
+      {},
+      fact('Key', key.path),
+      fact('Range', range && `${range}${key.unit ? ` ${key.unit}` : ''}`),
+      fact('Default', key.required ? 'required' : key.default),
+      isStructure(key) && fact('Change it', 'in the tab “Scenario”'),
+    ),
+  ];
 }
 
 /** A search over the parameters that are not set. @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
 function adder(store, actions) {
-  const input = h('input', { id: 'add-parameter', type: 'search', autocomplete: 'off', spellcheck: 'false', 'aria-controls': 'found' });
+  const input = h('input', {
+    id: 'add-parameter',
+    type: 'search',
+    autocomplete: 'off',
+    spellcheck: 'false',
+    'aria-controls': 'found',
+  });
   const list = h('ul', { class: 'found', id: 'found', hidden: true });
   const count = h('p', { class: 'visually-hidden', role: 'status' });
   const add = async (/** @type {Key} */ key) => {
@@ -147,24 +223,52 @@ function adder(store, actions) {
     const keys = asked === '' ? [] : R.addable(reference, values, asked);
     list.hidden = asked === '';
     say(count, asked === '' ? '' : `${keys.length} parameters fit.`);
-    fill(list, keys.map((key) => h('li', {}, h('button', { on: { click: () => add(key) } }, key.path,
-      h('small', {}, R.plainWords(key.help_html).split(/(?<=\.)\s/)[0])))), asked !== '' && keys.length === 0 && h('li', { class: 'none' }, 'No parameter fits.'));
+    fill(
+      list,
+      keys.map((key) =>
+        h(
+          'li',
+          {},
+          h(
+            'button',
+            { on: { click: () => add(key) } },
+            key.path,
+            h('small', {}, R.plainWords(key.help_html).split(/(?<=\.)\s/)[0]),
+          ),
+        ),
+      ),
+      asked !== '' && keys.length === 0 && h('li', { class: 'none' }, 'No parameter fits.'),
+    );
   };
   const step = (/** @type {KeyboardEvent} */ event) => {
     const buttons = /** @type {HTMLElement[]} */ ([...list.querySelectorAll('button')]);
     const at = buttons.indexOf(/** @type {any} */ (document.activeElement));
-    if (event.key === 'Escape') { input.value = ''; show(); input.focus(); }
-    else if (event.key === 'ArrowDown') (buttons[at + 1] ?? buttons[at])?.focus();
+    if (event.key === 'Escape') {
+      input.value = '';
+      show();
+      input.focus();
+    } else if (event.key === 'ArrowDown') (buttons[at + 1] ?? buttons[at])?.focus();
     else if (event.key === 'ArrowUp') (at > 0 ? buttons[at - 1] : input).focus();
     else if (event.key === 'Enter' && document.activeElement === input) buttons[0]?.click();
     else return;
     event.preventDefault();
   };
   input.addEventListener('input', show);
-  watch(store, (s) => [s.reference, s.check.value], (s) => {
-    const more = R.addable(s.reference, s.check.value?.values ?? {}, '', Infinity).length;
-    mark(input, 'placeholder', `Search ${more} more, e.g. kerf, jerk, seed`);
-    if (input.value !== '') show();
-  });
-  return h('div', { class: 'adder', on: { keydown: step } }, h('label', { for: 'add-parameter' }, 'Add a parameter'), input, list, count);
+  watch(
+    store,
+    (s) => [s.reference, s.check.value],
+    (s) => {
+      const more = R.addable(s.reference, s.check.value?.values ?? {}, '', Infinity).length;
+      mark(input, 'placeholder', `Search ${more} more, e.g. kerf, jerk, seed`);
+      if (input.value !== '') show();
+    },
+  );
+  return h(
+    'div',
+    { class: 'adder', on: { keydown: step } },
+    h('label', { for: 'add-parameter' }, 'Add a parameter'),
+    input,
+    list,
+    count,
+  );
 }

@@ -8,7 +8,11 @@
 /** @param {Places} places @param {string} path of a list @returns {string[]} parts of the absolute path */
 function absolute(places, path) {
   const of_shipped = path.startsWith('shipped/') && places.shipped;
-  const whole = of_shipped ? `${places.shipped}/${path.slice('shipped/'.length)}` : path.startsWith('/') ? path : `${places.folder}/${path}`;
+  const whole = of_shipped
+    ? `${places.shipped}/${path.slice('shipped/'.length)}`
+    : path.startsWith('/')
+      ? path
+      : `${places.folder}/${path}`;
   /** @type {string[]} */
   const parts = [];
   for (const part of whole.split('/')) {
@@ -36,6 +40,8 @@ export function nameInScenario(places, scenario, file) {
  */
 export function pathOfName(places, scenario, name, paths) {
   const folder = scenario.slice(0, scenario.lastIndexOf('/') + 1);
-  const wanted = name.startsWith('/') ? absolute(places, name).join('/') : absolute(places, `${folder}${name}`).join('/');
+  const wanted = name.startsWith('/')
+    ? absolute(places, name).join('/')
+    : absolute(places, `${folder}${name}`).join('/');
   return paths.find((path) => absolute(places, path).join('/') === wanted) ?? name;
 }

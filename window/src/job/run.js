@@ -8,28 +8,52 @@ const kMostLog = 500;
 
 /** @param {any} answer of POST /api/runs @param {string} scenario @returns {Run} */
 export const runBegun = (answer, scenario) => ({
-  id: String(answer.id), scenario, state: answer.state ?? 'waiting', command: answer.command ?? '', what: 'Starting',
-  share: null, left_s: null, now_s: null, verdict: null, results: '', report: '', trace: '', exitCode: null, judged: null,
-  log: [], stopping: false, fault: '',
+  id: String(answer.id),
+  scenario,
+  state: answer.state ?? 'waiting',
+  command: answer.command ?? '',
+  what: 'Starting',
+  share: null,
+  left_s: null,
+  now_s: null,
+  verdict: null,
+  results: '',
+  report: '',
+  trace: '',
+  exitCode: null,
+  judged: null,
+  log: [],
+  stopping: false,
+  fault: '',
 });
 
 /** @param {Run} run @param {any} progress {now_s, share?, what, left_s?} @returns {Run} */
 export const runProgressed = (run, progress) => ({
-  ...run, what: progress.what ?? run.what, share: progress.share ?? null, left_s: progress.left_s ?? null, now_s: progress.now_s ?? run.now_s,
+  ...run,
+  what: progress.what ?? run.what,
+  share: progress.share ?? null,
+  left_s: progress.left_s ?? null,
+  now_s: progress.now_s ?? run.now_s,
 });
 
 /** @param {Run} run @param {any} words {text} or a line @returns {Run} */
 export function runSaid(run, words) {
-  const line = typeof words === 'string' ? words : words.line ?? words.text ?? '';
+  const line = typeof words === 'string' ? words : (words.line ?? words.text ?? '');
   return line === '' ? run : { ...run, log: [...run.log, line].slice(-kMostLog) };
 }
 
 /** @param {Run} run @param {any} answer of GET /api/runs/ID or the event `state` @returns {Run} */
 export function runTold(run, answer) {
   const next = {
-    ...run, state: answer.state ?? run.state, command: answer.command ?? run.command, verdict: answer.verdict ?? run.verdict,
-    results: answer.results ?? run.results, report: answer.report ?? run.report, trace: answer.trace ?? run.trace,
-    exitCode: answer.exit_code ?? run.exitCode, fault: answer.problem ?? run.fault,
+    ...run,
+    state: answer.state ?? run.state,
+    command: answer.command ?? run.command,
+    verdict: answer.verdict ?? run.verdict,
+    results: answer.results ?? run.results,
+    report: answer.report ?? run.report,
+    trace: answer.trace ?? run.trace,
+    exitCode: answer.exit_code ?? run.exitCode,
+    fault: answer.problem ?? run.fault,
   };
   return answer.progress ? runProgressed(next, answer.progress) : next;
 }
@@ -72,14 +96,17 @@ export function verdictKind(verdict) {
 }
 
 /** Three digits are enough to compare; the limit is shown as it was set. */
-const digits = (/** @type {number} */ value) => (Math.abs(value) >= 100 ? value.toFixed(0) : value === 0 ? '0' : Number(value.toPrecision(3)).toString());
+const digits = (/** @type {number} */ value) =>
+  Math.abs(value) >= 100 ? value.toFixed(0) : value === 0 ? '0' : Number(value.toPrecision(3)).toString();
 
 /** @param {any} check of verdict.json: "0.0795 mm, limit 0.1500 mm" */
 export function figureWords(check) {
   if (check.value === null || check.value === undefined || Number.isNaN(check.value)) return '';
   const unit = check.unit ? ` ${check.unit}` : '';
-  const limit = check.limit === null || check.limit === undefined ? ''
-    : `, limit ${check.limit_is === 'lower' ? 'at least ' : ''}${check.limit}${unit}`;
+  const limit =
+    check.limit === null || check.limit === undefined
+      ? ''
+      : `, limit ${check.limit_is === 'lower' ? 'at least ' : ''}${check.limit}${unit}`;
   return `${check.value_is === 'at_least' ? 'at least ' : ''}${digits(check.value)}${unit}${limit}`;
 }
 
@@ -87,12 +114,15 @@ export function figureWords(check) {
 export function badChecks(judged) {
   const rank = { FAIL: 0, INVALID: 1, 'NOT PROVEN': 2 };
   const of = (/** @type {any} */ c) => /** @type {any} */ (rank)[c.verdict] ?? 3;
-  return (judged?.checks ?? []).filter((/** @type {any} */ c) => c.verdict !== 'PASS').sort((/** @type {any} */ a, /** @type {any} */ b) => of(a) - of(b));
+  return (judged?.checks ?? [])
+    .filter((/** @type {any} */ c) => c.verdict !== 'PASS')
+    .sort((/** @type {any} */ a, /** @type {any} */ b) => of(a) - of(b));
 }
 
 /** The run's end in a sentence, where there is no verdict.json. @param {Run} run */
 export function endWords(run) {
-  if (run.state === 'stopped') return 'The run was stopped. The laser was off before it ended; there is no verdict and no results folder.';
+  if (run.state === 'stopped')
+    return 'The run was stopped. The laser was off before it ended; there is no verdict and no results folder.';
   if (run.fault) return run.fault;
   if (run.exitCode === 65) return 'The input was refused. What is wrong is in the lines below.';
   if (run.exitCode !== null) return `The bench ended with exit code ${run.exitCode} and without a verdict.`;

@@ -18,8 +18,13 @@ export function saveAs(store, actions) {
   if (!job) return;
   const taken = new Set(/** @type {{path: string}[]} */ (files.scenarios).map((f) => f.path));
   const stem = job.path.slice(job.path.lastIndexOf('/') + 1).replace(/\.ya?ml$/, '');
-  const input = h('input', { id: 'new-name', value: freeName(`${stem}.yaml`, taken).replace(/\.yaml$/, ''), autocomplete: 'off', spellcheck: 'false',
-    'aria-describedby': 'new-name-fault' });
+  const input = h('input', {
+    id: 'new-name',
+    value: freeName(`${stem}.yaml`, taken).replace(/\.yaml$/, ''),
+    autocomplete: 'off',
+    spellcheck: 'false',
+    'aria-describedby': 'new-name-fault',
+  });
   const fault = h('p', { class: 'fault', id: 'new-name-fault', role: 'status' });
   const save = h('button', { class: 'primary', type: 'submit' }, 'Save');
   const look = () => {
@@ -28,16 +33,29 @@ export function saveAs(store, actions) {
     save.disabled = wrong !== '';
     input.setAttribute('aria-invalid', String(wrong !== ''));
   };
-  const dialog = h('dialog', { 'aria-labelledby': 'new-name-title', on: { close: () => dialog.remove() } },
-    h('form', { method: 'dialog', on: { submit: () => {
-      const name = input.value.trim();
-      if (faultOfName(name, taken) !== '') return;
-      if (S.isShipped(job.path)) actions.copy(job.path, name);
-      else actions.save(`${job.path.slice(0, job.path.lastIndexOf('/') + 1)}${name}.yaml`);
-    } } },
-    h('h2', { id: 'new-name-title' }, job.readOnly ? 'Save a copy of this scenario' : 'Save under another name'),
-    h('label', { for: 'new-name' }, 'Name'), input, fault,
-    h('div', { class: 'acts' }, h('button', { type: 'button', on: { click: () => dialog.close() } }, 'Cancel'), save)));
+  const dialog = h(
+    'dialog',
+    { 'aria-labelledby': 'new-name-title', on: { close: () => dialog.remove() } },
+    h(
+      'form',
+      {
+        method: 'dialog',
+        on: {
+          submit: () => {
+            const name = input.value.trim();
+            if (faultOfName(name, taken) !== '') return;
+            if (S.isShipped(job.path)) actions.copy(job.path, name);
+            else actions.save(`${job.path.slice(0, job.path.lastIndexOf('/') + 1)}${name}.yaml`);
+          },
+        },
+      },
+      h('h2', { id: 'new-name-title' }, job.readOnly ? 'Save a copy of this scenario' : 'Save under another name'),
+      h('label', { for: 'new-name' }, 'Name'),
+      input,
+      fault,
+      h('div', { class: 'acts' }, h('button', { type: 'button', on: { click: () => dialog.close() } }, 'Cancel'), save),
+    ),
+  );
   input.addEventListener('input', look);
   document.body.append(dialog);
   look();

@@ -86,7 +86,11 @@ export function undone(state) {
   const { job } = state;
   if (!job || job.past.length === 0) return state;
   const past = job.past.slice(0, -1);
-  return { ...state, editFault: {}, job: { ...job, text: job.past[past.length], past, future: [job.text, ...job.future] } };
+  return {
+    ...state,
+    editFault: {},
+    job: { ...job, text: job.past[past.length], past, future: [job.text, ...job.future] },
+  };
 }
 
 /** @param {State} state @returns {State} */
@@ -133,7 +137,9 @@ export function answered(state, which, value) {
   const next = { ...state, [which]: { state: 'ready', value, fault: null } };
   if (which === 'check') {
     const known = new Set((value.drawing?.entities ?? []).map((/** @type {Entity} */ e) => e.id));
-    next.selected = state.selected.every((id) => known.has(id)) ? state.selected : state.selected.filter((id) => known.has(id));
+    next.selected = state.selected.every((id) => known.has(id))
+      ? state.selected
+      : state.selected.filter((id) => known.has(id));
     next.finding = null;
   } else {
     const most = Math.max(0, (value.preview?.x_mm.length ?? 1) - 1);
@@ -166,7 +172,8 @@ export function selected(state, ids, how = 'only') {
 export const looking = (part) => (state) => ({ ...state, stage: { ...state.stage, ...part } });
 
 /** A place is measured from or to; a third one begins anew. @param {State} state @param {[number, number]} at_mm @returns {State} */
-export const measuredAt = (state, at_mm) => looking({ measure: state.stage.measure.length === 1 ? [state.stage.measure[0], at_mm] : [at_mm] })(state);
+export const measuredAt = (state, at_mm) =>
+  looking({ measure: state.stage.measure.length === 1 ? [state.stage.measure[0], at_mm] : [at_mm] })(state);
 
 /** A change of part of the state. @param {Partial<State>} part @returns {(state: State) => State} */
 export const having = (part) => (state) => ({ ...state, ...part });
@@ -191,7 +198,9 @@ export function obstacles(state) {
   const of_check = errors(check.value?.issues ?? []);
   // A job that cannot be read cannot be planned either; its faults are not told twice.
   const of_plan = of_check.length > 0 ? [] : errors(plan.value?.issues ?? []);
-  const faults = [check, plan].filter((a) => a.state === 'failed' && a.fault).map((a) => ({ message: /** @type {Fault} */ (a.fault).message }));
+  const faults = [check, plan]
+    .filter((a) => a.state === 'failed' && a.fault)
+    .map((a) => ({ message: /** @type {Fault} */ (a.fault).message }));
   return [...of_check, ...of_plan, ...(of_check.length > 0 ? [] : faults)];
 }
 

@@ -7,7 +7,11 @@ const kSvg = 'http://www.w3.org/2000/svg';
 
 /** @typedef {Node | string | number | false | null | undefined} Child */
 
-function put(/** @type {Element} */ element, /** @type {Record<string, any>} */ properties, /** @type {any[]} */ children) {
+function put(
+  /** @type {Element} */ element,
+  /** @type {Record<string, any>} */ properties,
+  /** @type {any[]} */ children,
+) {
   for (const [name, value] of Object.entries(properties ?? {})) {
     if (value === undefined || value === null || value === false) continue;
     if (name === 'on') for (const [event, listener] of Object.entries(value)) element.addEventListener(event, listener);
@@ -34,13 +38,17 @@ export const h = (tag, properties = {}, ...children) => put(document.createEleme
  * @param {string} tag @param {Record<string, any>} [properties] @param {...(Child | Child[])} children
  * @returns {any}
  */
-export const svg = (tag, properties = {}, ...children) => put(document.createElementNS(kSvg, tag), properties, children);
+export const svg = (tag, properties = {}, ...children) =>
+  put(document.createElementNS(kSvg, tag), properties, children);
 
 /** Puts these children in place of what an element holds. @param {Element} element @param {...(Child | Child[])} children */
 export function fill(element, ...children) {
-  element.replaceChildren(...children.flat(Infinity)
-    .filter((child) => child !== undefined && child !== null && child !== false)
-    .map((child) => (child instanceof Node ? child : String(child))));
+  element.replaceChildren(
+    ...children
+      .flat(Infinity)
+      .filter((child) => child !== undefined && child !== null && child !== false)
+      .map((child) => (child instanceof Node ? child : String(child))),
+  );
   return element;
 }
 

@@ -24,7 +24,21 @@ const kAreas = {
 /** @param {keyof typeof kLines | keyof typeof kAreas} name @returns {any} */
 export function icon(name) {
   const line = /** @type {any} */ (kLines)[name];
-  return svg('svg', { class: 'icon', viewBox: '0 0 16 16', 'aria-hidden': 'true' },
-    svg('path', line ? { d: line, fill: 'none', stroke: 'currentColor', 'stroke-width': 1.6, 'stroke-linecap': 'round', 'stroke-linejoin': 'round' }
-      : { d: /** @type {any} */ (kAreas)[name], fill: 'currentColor' }));
+  return svg(
+    'svg',
+    { class: 'icon', viewBox: '0 0 16 16', 'aria-hidden': 'true' },
+    svg(
+      'path',
+      line
+        ? {
+            d: line,
+            fill: 'none',
+            stroke: 'currentColor',
+            'stroke-width': 1.6,
+            'stroke-linecap': 'round',
+            'stroke-linejoin': 'round',
+          }
+        : { d: /** @type {any} */ (kAreas)[name], fill: 'currentColor' },
+    ),
+  );
 }

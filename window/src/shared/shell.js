@@ -13,10 +13,18 @@ export const kPages = [
 /** @param {string} here name of the page that is shown @returns {Element[]} */
 export function shellBar(here) {
   // A kerf: a beam that has opened half of a sheet.
-  const sign = svg('svg', { viewBox: '0 0 20 20', 'aria-hidden': 'true' }, svg('path', { d: 'M1 14h6m6 0h6M10 1v9' }), svg('path', { d: 'M7 14l3 4 3-4' }));
+  const sign = svg(
+    'svg',
+    { viewBox: '0 0 20 20', 'aria-hidden': 'true' },
+    svg('path', { d: 'M1 14h6m6 0h6M10 1v9' }),
+    svg('path', { d: 'M7 14l3 4 3-4' }),
+  );
   return [
     h('span', { class: 'brand' }, sign, 'Kerfbench'),
-    h('nav', { 'aria-label': 'Pages' }, kPages.map(({ name, title, href }) =>
-      h('a', { href, 'aria-current': name === here ? 'page' : null }, title))),
+    h(
+      'nav',
+      { 'aria-label': 'Pages' },
+      kPages.map(({ name, title, href }) => h('a', { href, 'aria-current': name === here ? 'page' : null }, title)),
+    ),
   ];
 }

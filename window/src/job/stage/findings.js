@@ -12,12 +12,40 @@ import { toScreen } from './geometry.js';
 /** Everything that is to be listed, in one numbering. @param {S.State} s @returns {Item[]} */
 export function itemsOf(s) {
   const findings = (s.check.value?.drawing?.findings ?? []).filter((/** @type {any} */ f) => !f.accepted);
-  const drawn = findings.map((/** @type {any} */ f) => ({ severity: f.severity, message: f.message, where: f.where_mm ?? null, entities: f.entities ?? [], line: null,
-    place: f.entities?.length ? f.entities.map((/** @type {number} */ id) => `E${id}`).join(', ') : f.line ? `line ${f.line} of the drawing` : '' }));
-  const job = (s.plan.value?.issues ?? []).map((/** @type {any} */ i) => ({ severity: i.severity ?? 'error', message: i.message, where: null, entities: [],
-    line: i.line > 0 ? i.line : null, place: i.line > 0 ? `G-code, line ${i.line}` : 'job' }));
+  const drawn = findings.map((/** @type {any} */ f) => ({
+    severity: f.severity,
+    message: f.message,
+    where: f.where_mm ?? null,
+    entities: f.entities ?? [],
+    line: null,
+    place: f.entities?.length
+      ? f.entities.map((/** @type {number} */ id) => `E${id}`).join(', ')
+      : f.line
+        ? `line ${f.line} of the drawing`
+        : '',
+  }));
+  const job = (s.plan.value?.issues ?? []).map((/** @type {any} */ i) => ({
+    severity: i.severity ?? 'error',
+    message: i.message,
+    where: null,
+    entities: [],
+    line: i.line > 0 ? i.line : null,
+    place: i.line > 0 ? `G-code, line ${i.line}` : 'job',
+  }));
   // A scenario that is refused has these beside its fields already.
-  const planned = s.plan.state === 'failed' && s.check.value?.fits ? [{ severity: 'error', message: s.plan.fault?.message ?? '', where: null, entities: [], line: null, place: 'job' }] : [];
+  const planned =
+    s.plan.state === 'failed' && s.check.value?.fits
+      ? [
+          {
+            severity: 'error',
+            message: s.plan.fault?.message ?? '',
+            where: null,
+            entities: [],
+            line: null,
+            place: 'job',
+          },
+        ]
+      : [];
   return [...drawn, ...job, ...planned].map((item, i) => ({ ...item, number: i + 1 }));
 }
 
@@ -31,7 +59,10 @@ export function mountFindings(element, pins, store, toPlace, painter) {
   const box = h('section', { class: 'findings', 'aria-label': 'Findings' }, title, list);
   element.append(box);
   const go = (/** @type {Item} */ item) => {
-    store.update((s) => ({ ...(item.line !== null ? lineChosen(s, item.line) : entitiesChosen(s, item.entities)), finding: item.number }));
+    store.update((s) => ({
+      ...(item.line !== null ? lineChosen(s, item.line) : entitiesChosen(s, item.entities)),
+      finding: item.number,
+    }));
     if (item.where) toPlace(item.where);
   };
   const isWarning = (/** @type {Item} */ item) => item.severity !== 'error';
@@ -39,33 +70,72 @@ export function mountFindings(element, pins, store, toPlace, painter) {
   let items = [];
   const placePins = () => {
     const shown = items.filter((i) => i.where);
-    keyed(pins, shown, (i) => `${i.number} ${i.severity} ${i.message}`, (item) =>
-      h('button', { class: isWarning(item) ? 'pin warning' : 'pin', title: item.message, 'aria-label': `Finding ${item.number}: ${item.message}`, on: { click: () => go(item) } }, item.number),
-    (pin, item) => {
-      const [x, y] = toScreen(painter.view(), /** @type {[number, number]} */ (item.where));
-      const { width, height } = painter.size();
-      pin.style.left = `${x}px`;
-      pin.style.top = `${y}px`;
-      pin.hidden = x < 0 || y < 0 || x > width || y > height;
-      mark(pin, 'aria-current', store.get().finding === item.number ? 'true' : null);
-    });
+    keyed(
+      pins,
+      shown,
+      (i) => `${i.number} ${i.severity} ${i.message}`,
+      (item) =>
+        h(
+          'button',
+          {
+            class: isWarning(item) ? 'pin warning' : 'pin',
+            title: item.message,
+            'aria-label': `Finding ${item.number}: ${item.message}`,
+            on: { click: () => go(item) },
+          },
+          item.number,
+        ),
+      (pin, item) => {
+        const [x, y] = toScreen(painter.view(), /** @type {[number, number]} */ (item.where));
+        const { width, height } = painter.size();
+        pin.style.left = `${x}px`;
+        pin.style.top = `${y}px`;
+        pin.hidden = x < 0 || y < 0 || x > width || y > height;
+        mark(pin, 'aria-current', store.get().finding === item.number ? 'true' : null);
+      },
+    );
   };
-  watch(store, (s) => [s.check.value, s.plan, s.finding, s.job === null], (s) => {
-    items = s.job ? itemsOf(s) : [];
-    box.hidden = !s.job || !s.check.value?.drawing;
-    const errors = items.filter((i) => !isWarning(i)).length;
-    const warnings = items.length - errors;
-    const words = [errors > 0 && `${errors} ${errors === 1 ? 'fault' : 'faults'}`, warnings > 0 && `${warnings} ${warnings === 1 ? 'note' : 'notes'}`].filter(Boolean).join(', ');
-    const facts = s.plan.value?.facts;
-    const good = facts ? `Nothing is wrong. ${facts.cut_length_mm.toFixed(0)} mm of cuts and ${facts.jump_length_mm.toFixed(0)} mm of jumps in ${facts.unit_time_s.toFixed(2)} s` +
-      `${facts.max_belt_speed_mm_s > 0 ? `; the belt may run at up to ${facts.max_belt_speed_mm_s.toFixed(1)} mm/s` : ''}.` : 'Nothing is wrong with the drawing.';
-    const waiting = s.check.state === 'busy' || s.plan.state === 'busy' || s.plan.state === 'none';
-    say(title, items.length > 0 ? words : waiting ? 'Planning the job…' : good);
-    title.classList.toggle('good', items.length === 0);
-    keyed(list, items, (i) => `${i.number} ${i.severity} ${i.message}`, (item) => h('li', {}, h('button', { on: { click: () => go(item) } },
-      h('span', { class: isWarning(item) ? 'badge warning' : 'badge' }, item.number), h('span', {}, item.place ? `${item.place}: ` : '', item.message))),
-    (row, item) => mark(row.firstElementChild, 'aria-current', s.finding === item.number ? 'true' : null));
-    placePins();
-  });
+  watch(
+    store,
+    (s) => [s.check.value, s.plan, s.finding, s.job === null],
+    (s) => {
+      items = s.job ? itemsOf(s) : [];
+      box.hidden = !s.job || !s.check.value?.drawing;
+      const errors = items.filter((i) => !isWarning(i)).length;
+      const warnings = items.length - errors;
+      const words = [
+        errors > 0 && `${errors} ${errors === 1 ? 'fault' : 'faults'}`,
+        warnings > 0 && `${warnings} ${warnings === 1 ? 'note' : 'notes'}`,
+      ]
+        .filter(Boolean)
+        .join(', ');
+      const facts = s.plan.value?.facts;
+      const good = facts
+        ? `Nothing is wrong. ${facts.cut_length_mm.toFixed(0)} mm of cuts and ${facts.jump_length_mm.toFixed(0)} mm of jumps in ${facts.unit_time_s.toFixed(2)} s` +
+          `${facts.max_belt_speed_mm_s > 0 ? `; the belt may run at up to ${facts.max_belt_speed_mm_s.toFixed(1)} mm/s` : ''}.`
+        : 'Nothing is wrong with the drawing.';
+      const waiting = s.check.state === 'busy' || s.plan.state === 'busy' || s.plan.state === 'none';
+      say(title, items.length > 0 ? words : waiting ? 'Planning the job…' : good);
+      title.classList.toggle('good', items.length === 0);
+      keyed(
+        list,
+        items,
+        (i) => `${i.number} ${i.severity} ${i.message}`,
+        (item) =>
+          h(
+            'li',
+            {},
+            h(
+              'button',
+              { on: { click: () => go(item) } },
+              h('span', { class: isWarning(item) ? 'badge warning' : 'badge' }, item.number),
+              h('span', {}, item.place ? `${item.place}: ` : '', item.message),
+            ),
+          ),
+        (row, item) => mark(row.firstElementChild, 'aria-current', s.finding === item.number ? 'true' : null),
+      );
+      placePins();
+    },
+  );
   painter.onPaint(placePins);
 }

@@ -26,7 +26,12 @@ export function boxOf(points) {
 }
 
 /** @param {Curve[]} curves */
-export const boxOfCurves = (curves) => boxOf((function* all() { for (const c of curves) yield* c.points_mm; })());
+export const boxOfCurves = (curves) =>
+  boxOf(
+    (function* all() {
+      for (const c of curves) yield* c.points_mm;
+    })(),
+  );
 
 /**
  * The view that shows a box with a margin all around.
@@ -62,7 +67,10 @@ export function nearestOfLine([px, py], [ax, ay], [bx, by]) {
 /** Nearest place of a curve, and how far it is. @param {Curve} curve @param {Point} p */
 export function nearestOfCurve(curve, p) {
   const { points_mm: points } = curve;
-  let best = { at: points[0], distance: points.length ? Math.hypot(p[0] - points[0][0], p[1] - points[0][1]) : Infinity };
+  let best = {
+    at: points[0],
+    distance: points.length ? Math.hypot(p[0] - points[0][0], p[1] - points[0][1]) : Infinity,
+  };
   for (let i = 1; i < points.length; ++i) {
     const at = nearestOfLine(p, points[i - 1], points[i]);
     const distance = Math.hypot(p[0] - at[0], p[1] - at[1]);
@@ -82,13 +90,21 @@ export function hit(curves, p, within_mm) {
 }
 
 /** Ids of the curves that lie wholly in a box. @param {Curve[]} curves @param {Box} box */
-export const inside = (curves, box) => curves
-  .filter((c) => c.points_mm.length > 0 && c.points_mm.every(([x, y]) => x >= box.x0 && x <= box.x1 && y >= box.y0 && y <= box.y1))
-  .map((c) => c.id);
+export const inside = (curves, box) =>
+  curves
+    .filter(
+      (c) =>
+        c.points_mm.length > 0 &&
+        c.points_mm.every(([x, y]) => x >= box.x0 && x <= box.x1 && y >= box.y0 && y <= box.y1),
+    )
+    .map((c) => c.id);
 
 /** @param {Point} a @param {Point} b @returns {Box} */
 export const boxBetween = (a, b) => ({
-  x0: Math.min(a[0], b[0]), y0: Math.min(a[1], b[1]), x1: Math.max(a[0], b[0]), y1: Math.max(a[1], b[1]),
+  x0: Math.min(a[0], b[0]),
+  y0: Math.min(a[1], b[1]),
+  x1: Math.max(a[0], b[0]),
+  y1: Math.max(a[1], b[1]),
 });
 
 /**

@@ -73,11 +73,15 @@ export function takeHands(canvas, store, painter, hand, tell) {
     hand.cursor = null;
     painter.soon();
   });
-  canvas.addEventListener('wheel', (event) => {
-    event.preventDefault();
-    const by = Math.exp(-event.deltaY * (event.deltaMode === 1 ? 0.05 : 0.0016));
-    painter.look(G.zoomed(painter.view(), by, placeOf(event)));
-  }, { passive: false });
+  canvas.addEventListener(
+    'wheel',
+    (event) => {
+      event.preventDefault();
+      const by = Math.exp(-event.deltaY * (event.deltaMode === 1 ? 0.05 : 0.0016));
+      painter.look(G.zoomed(painter.view(), by, placeOf(event)));
+    },
+    { passive: false },
+  );
 
   /** @param {G.Point} at_px @param {boolean} more */
   function choose(at_px, more) {
@@ -124,29 +128,43 @@ export function takeHands(canvas, store, painter, hand, tell) {
       painter.soon();
     }
     const [cx, cy] = /** @type {G.Point} */ (hand.cursor);
-    tell(`x ${cx.toFixed(2)}, y ${cy.toFixed(2)}${hand.kind === 'end' ? ', end' : hand.kind === 'line' ? ', on a line' : ''}`);
+    tell(
+      `x ${cx.toFixed(2)}, y ${cy.toFixed(2)}${hand.kind === 'end' ? ', end' : hand.kind === 'line' ? ', on a line' : ''}`,
+    );
   }
   canvas.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey) {
       if (event.key.toLowerCase() !== 'a') return;
-      store.update((s) => entitiesChosen(s, curves().map((c) => c.id)));
+      store.update((s) =>
+        entitiesChosen(
+          s,
+          curves().map((c) => c.id),
+        ),
+      );
       return event.preventDefault();
     }
     const { tool } = store.get().stage;
     const { width, height } = painter.size();
     const arrow = /** @type {any} */ (kArrows)[event.key];
     const middle = /** @type {G.Point} */ ([width / 2, height / 2]);
-    if (arrow && (event.altKey || tool === 'move')) painter.look(G.panned(painter.view(), -arrow[0] * 40, -arrow[1] * 40));
+    if (arrow && (event.altKey || tool === 'move'))
+      painter.look(G.panned(painter.view(), -arrow[0] * 40, -arrow[1] * 40));
     else if (arrow && tool === 'measure') moveCursor(arrow, event.shiftKey ? 1 : 12);
     else if (arrow) step(arrow[0] + arrow[1] > 0 ? 1 : -1, event.shiftKey);
     else if (event.key === '+' || event.key === '=') painter.look(G.zoomed(painter.view(), 1.25, middle));
     else if (event.key === '-') painter.look(G.zoomed(painter.view(), 0.8, middle));
     else if (event.key === 'Enter' && tool === 'measure') measure();
-    else if (event.key === 'Escape') store.update((s) => (s.stage.measure.length > 0 ? S.looking({ measure: [] })(s) : entitiesChosen(s, [])));
+    else if (event.key === 'Escape')
+      store.update((s) => (s.stage.measure.length > 0 ? S.looking({ measure: [] })(s) : entitiesChosen(s, [])));
     else {
-      const letters = { f: () => painter.fit(), v: () => store.update(S.looking({ tool: 'select' })), h: () => store.update(S.looking({ tool: 'move' })),
-        m: () => store.update(S.looking({ tool: 'measure' })), j: () => store.update((/** @type {S.State} */ s) => S.looking({ jumps: !s.stage.jumps })(s)),
-        n: () => store.update((/** @type {S.State} */ s) => S.looking({ numbers: !s.stage.numbers })(s)) };
+      const letters = {
+        f: () => painter.fit(),
+        v: () => store.update(S.looking({ tool: 'select' })),
+        h: () => store.update(S.looking({ tool: 'move' })),
+        m: () => store.update(S.looking({ tool: 'measure' })),
+        j: () => store.update((/** @type {S.State} */ s) => S.looking({ jumps: !s.stage.jumps })(s)),
+        n: () => store.update((/** @type {S.State} */ s) => S.looking({ numbers: !s.stage.numbers })(s)),
+      };
       const act = /** @type {any} */ (letters)[event.key.toLowerCase()];
       if (!act) return;
       act();

@@ -18,9 +18,18 @@ import { mountPlayer } from './player.js';
 export function mountMiddle(element, store, actions) {
   /** @type {import('./painter.js').Hand} */
   const hand = { band: null, cursor: null, kind: 'free' };
-  const canvas = h('canvas', { id: 'canvas', tabindex: 0, role: 'application', 'aria-label': 'Drawing', 'aria-describedby': 'canvas-keys' });
-  const keys = h('p', { id: 'canvas-keys', class: 'visually-hidden' },
-    'Arrows choose the entity before or after, with Shift several; plus and minus zoom, F fits, M measures: then arrows move the cross, Enter sets a place. V chooses again.');
+  const canvas = h('canvas', {
+    id: 'canvas',
+    tabindex: 0,
+    role: 'application',
+    'aria-label': 'Drawing',
+    'aria-describedby': 'canvas-keys',
+  });
+  const keys = h(
+    'p',
+    { id: 'canvas-keys', class: 'visually-hidden' },
+    'Arrows choose the entity before or after, with Shift several; plus and minus zoom, F fits, M measures: then arrows move the cross, Enter sets a place. V chooses again.',
+  );
   const spoken = h('p', { class: 'visually-hidden', role: 'status' });
   const pins = h('div');
   const legend = h('div', { class: 'legend' });
@@ -45,59 +54,148 @@ export function mountMiddle(element, store, actions) {
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => painter.recolour());
   painter.recolour();
   painter.resize();
-  watch(store, (s) => [entitiesOf(s), s.plan.value, s.selected, s.period, s.stage, s.check.value?.machine], () => painter.soon());
+  watch(
+    store,
+    (s) => [entitiesOf(s), s.plan.value, s.selected, s.period, s.stage, s.check.value?.machine],
+    () => painter.soon(),
+  );
   /** @type {string | undefined} */
   let fittedFor;
-  watch(store, (s) => [s.check.value?.drawing, s.job?.path], (s) => {
-    // A drawing that was not there before is shown whole.
-    const name = s.check.value?.drawing ? `${s.job?.path} ${s.check.value.drawing.file}` : undefined;
-    if (name !== undefined && name !== fittedFor) painter.fit();
-    fittedFor = name;
-  });
-  watch(store, (s) => [s.stage.tool], ({ stage: { tool } }) => {
-    canvas.classList.toggle('measure', tool === 'measure');
-    if (tool !== 'measure') hand.cursor = null;
-  });
-  watch(store, (s) => [s.check.value?.drawing, s.plan.value?.preview, s.stage.colour], (s) => fill(legend, legendOf(s)));
-  watch(store, (s) => [s.selected, s.stage.measure, s.check.value?.drawing], (s) => {
-    const facts = factsOf(s);
-    readout.hidden = facts.length === 0;
-    fill(readout, h('dl', {}, facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))));
-    if (s.selected.length > 0) say(spoken, s.selected.length === 1 ? `${facts[0][0]} ${facts[0][1]}, layer ${facts[1]?.[1]}` : `${s.selected.length} entities chosen`);
-  });
-  watch(store, (s) => [s.check.value?.drawing], (s) => mark(canvas, 'aria-label', s.check.value?.drawing
-    ? `Drawing ${s.check.value.drawing.file}, ${entitiesOf(s).length} entities` : 'Drawing, empty'));
+  watch(
+    store,
+    (s) => [s.check.value?.drawing, s.job?.path],
+    (s) => {
+      // A drawing that was not there before is shown whole.
+      const name = s.check.value?.drawing ? `${s.job?.path} ${s.check.value.drawing.file}` : undefined;
+      if (name !== undefined && name !== fittedFor) painter.fit();
+      fittedFor = name;
+    },
+  );
+  watch(
+    store,
+    (s) => [s.stage.tool],
+    ({ stage: { tool } }) => {
+      canvas.classList.toggle('measure', tool === 'measure');
+      if (tool !== 'measure') hand.cursor = null;
+    },
+  );
+  watch(
+    store,
+    (s) => [s.check.value?.drawing, s.plan.value?.preview, s.stage.colour],
+    (s) => fill(legend, legendOf(s)),
+  );
+  watch(
+    store,
+    (s) => [s.selected, s.stage.measure, s.check.value?.drawing],
+    (s) => {
+      const facts = factsOf(s);
+      readout.hidden = facts.length === 0;
+      fill(
+        readout,
+        h(
+          'dl',
+          {},
+          facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value))),
+        ),
+      );
+      if (s.selected.length > 0)
+        say(
+          spoken,
+          s.selected.length === 1
+            ? `${facts[0][0]} ${facts[0][1]}, layer ${facts[1]?.[1]}`
+            : `${s.selected.length} entities chosen`,
+        );
+    },
+  );
+  watch(
+    store,
+    (s) => [s.check.value?.drawing],
+    (s) =>
+      mark(
+        canvas,
+        'aria-label',
+        s.check.value?.drawing
+          ? `Drawing ${s.check.value.drawing.file}, ${entitiesOf(s).length} entities`
+          : 'Drawing, empty',
+      ),
+  );
 }
 
 /** @param {Store} store @param {ReturnType<typeof createPainter>} painter */
 function toolBar(store, painter) {
-  const tool = (/** @type {'select' | 'move' | 'measure'} */ name, /** @type {string} */ text, /** @type {string} */ key) =>
-    h('button', { 'data-tool': name, title: `${text} (${key})`, on: { click: () => store.update(S.looking({ tool: name })) } }, text);
+  const tool = (
+    /** @type {'select' | 'move' | 'measure'} */ name,
+    /** @type {string} */ text,
+    /** @type {string} */ key,
+  ) =>
+    h(
+      'button',
+      { 'data-tool': name, title: `${text} (${key})`, on: { click: () => store.update(S.looking({ tool: name })) } },
+      text,
+    );
   const tools = [tool('select', 'Choose', 'V'), tool('move', 'Move', 'H'), tool('measure', 'Measure', 'M')];
   const zoom = (/** @type {number} */ by) => {
     const { width, height } = painter.size();
     painter.look(zoomed(painter.view(), by, [width / 2, height / 2]));
   };
-  const jumps = h('button', { title: 'Way of the beam with the laser off (J)', on: { click: () => store.update((s) => S.looking({ jumps: !s.stage.jumps })(s)) } }, 'Jumps');
-  const numbers = h('button', { title: 'Order of the cuts as numbers (N)', on: { click: () => store.update((s) => S.looking({ numbers: !s.stage.numbers })(s)) } }, 'Numbers');
-  const show = ['drawing', 'machine'].map((name) => h('button', { 'data-show': name, on: { click: () => store.update(S.looking({ show: /** @type {any} */ (name) })) } },
-    name === 'drawing' ? 'Drawing' : 'Machine'));
+  const jumps = h(
+    'button',
+    {
+      title: 'Way of the beam with the laser off (J)',
+      on: { click: () => store.update((s) => S.looking({ jumps: !s.stage.jumps })(s)) },
+    },
+    'Jumps',
+  );
+  const numbers = h(
+    'button',
+    {
+      title: 'Order of the cuts as numbers (N)',
+      on: { click: () => store.update((s) => S.looking({ numbers: !s.stage.numbers })(s)) },
+    },
+    'Numbers',
+  );
+  const show = ['drawing', 'machine'].map((name) =>
+    h(
+      'button',
+      { 'data-show': name, on: { click: () => store.update(S.looking({ show: /** @type {any} */ (name) })) } },
+      name === 'drawing' ? 'Drawing' : 'Machine',
+    ),
+  );
   const views = h('div', { class: 'segment', role: 'group', 'aria-label': 'What is shown' }, show);
-  watch(store, (s) => [s.stage, s.run?.id], ({ stage, run }) => {
-    for (const button of tools) button.setAttribute('aria-pressed', String(button.dataset.tool === stage.tool));
-    for (const button of show) button.setAttribute('aria-pressed', String(button.dataset.show === stage.show));
-    jumps.setAttribute('aria-pressed', String(stage.jumps));
-    numbers.setAttribute('aria-pressed', String(stage.numbers));
-    views.hidden = !run;
-  });
-  const bar = h('div', { class: 'stage-bar', role: 'toolbar', 'aria-label': 'Tools of the drawing' },
+  watch(
+    store,
+    (s) => [s.stage, s.run?.id],
+    ({ stage, run }) => {
+      for (const button of tools) button.setAttribute('aria-pressed', String(button.dataset.tool === stage.tool));
+      for (const button of show) button.setAttribute('aria-pressed', String(button.dataset.show === stage.show));
+      jumps.setAttribute('aria-pressed', String(stage.jumps));
+      numbers.setAttribute('aria-pressed', String(stage.numbers));
+      views.hidden = !run;
+    },
+  );
+  const bar = h(
+    'div',
+    { class: 'stage-bar', role: 'toolbar', 'aria-label': 'Tools of the drawing' },
     h('div', { class: 'segment', role: 'group', 'aria-label': 'What the pointer does' }, tools),
-    h('div', { class: 'segment', role: 'group', 'aria-label': 'Zoom' },
+    h(
+      'div',
+      { class: 'segment', role: 'group', 'aria-label': 'Zoom' },
       h('button', { 'aria-label': 'Smaller', title: 'Smaller (−)', on: { click: () => zoom(0.8) } }, '−'),
       h('button', { title: 'Show all (F)', on: { click: () => painter.fit() } }, 'Fit'),
-      h('button', { 'aria-label': 'Larger', title: 'Larger (+)', on: { click: () => zoom(1.25) } }, '+')),
-    jumps, numbers, h('span', { class: 'gap' }), views);
-  watch(store, (s) => [s.job === null], (s) => { bar.hidden = s.job === null; });
+      h('button', { 'aria-label': 'Larger', title: 'Larger (+)', on: { click: () => zoom(1.25) } }, '+'),
+    ),
+    jumps,
+    numbers,
+    h('span', { class: 'gap' }),
+    views,
+  );
+  watch(
+    store,
+    (s) => [s.job === null],
+    (s) => {
+      bar.hidden = s.job === null;
+    },
+  );
   return bar;
 }
 
@@ -105,10 +203,15 @@ function toolBar(store, painter) {
 function legendOf(s) {
   const used = new Set(entitiesOf(s).map((e) => e.process));
   const motion = motionOf(s);
-  const most = { power: motion && `${((motion.mostPower / 255) * motion.full_power_w).toFixed(0)} W`, speed: motion && `${motion.mostSpeed.toFixed(0)} mm/s`, reach: 'edge of the reach' };
+  const most = {
+    power: motion && `${((motion.mostPower / 255) * motion.full_power_w).toFixed(0)} W`,
+    speed: motion && `${motion.mostSpeed.toFixed(0)} mm/s`,
+    reach: 'edge of the reach',
+  };
   return [
     ...kProcesses.filter((p) => used.has(p)).map((p) => h('span', {}, swatch(p), p)),
-    motion && h('span', {}, s.stage.colour === 'reach' ? 'middle' : '0', h('i', { class: 'ramp' }), most[s.stage.colour]),
+    motion &&
+      h('span', {}, s.stage.colour === 'reach' ? 'middle' : '0', h('i', { class: 'ramp' }), most[s.stage.colour]),
     motion?.field && h('span', {}, 'Frame: reach of the beam'),
   ];
 }
@@ -118,16 +221,30 @@ function factsOf(s) {
   const [a, b] = s.stage.measure;
   if (a && b) {
     const m = measured(a, b);
-    return [['Distance', `${m.distance_mm.toFixed(3)} mm`], ['Δx', `${m.dx_mm.toFixed(3)} mm`], ['Δy', `${m.dy_mm.toFixed(3)} mm`], ['Angle', `${m.angle_deg.toFixed(2)}°`]];
+    return [
+      ['Distance', `${m.distance_mm.toFixed(3)} mm`],
+      ['Δx', `${m.dx_mm.toFixed(3)} mm`],
+      ['Δy', `${m.dy_mm.toFixed(3)} mm`],
+      ['Angle', `${m.angle_deg.toFixed(2)}°`],
+    ];
   }
   const chosen = entitiesOf(s).filter((e) => s.selected.includes(e.id));
   if (chosen.length === 0) return [];
   const length = chosen.reduce((sum, e) => sum + e.length_mm, 0);
-  if (chosen.length > 1) return [['Entities', String(chosen.length)], ['Length', `${length.toFixed(2)} mm`]];
+  if (chosen.length > 1)
+    return [
+      ['Entities', String(chosen.length)],
+      ['Length', `${length.toFixed(2)} mm`],
+    ];
   const [e] = chosen;
   const place = (s.plan.value?.order ?? []).indexOf(e.id);
   /** @type {[string, string][]} */
-  const facts = [['Entity', `E${e.id}`], ['Layer', e.layer], ['Process', e.process], ['Length', `${e.length_mm.toFixed(3)} mm`]];
+  const facts = [
+    ['Entity', `E${e.id}`],
+    ['Layer', e.layer],
+    ['Process', e.process],
+    ['Length', `${e.length_mm.toFixed(3)} mm`],
+  ];
   if (place >= 0) facts.push(['Place', String(place + 1)]);
   if (e.line > 0) facts.push(['Line', String(e.line)]);
   return facts;
@@ -138,21 +255,53 @@ function mountEmpty(stage, store, actions) {
   const box = h('div', { class: 'empty' });
   stage.append(box);
   const load = () => document.getElementById('file')?.click();
-  watch(store, (s) => [s.job === null, s.check, s.session, s.files, s.busy], (s) => {
-    const drawn = entitiesOf(s).length > 0;
-    box.hidden = drawn || (s.job !== null && s.check.state === 'busy' && !s.check.value);
-    if (box.hidden) return;
-    if (s.job === null) {
-      const shipped = s.files.scenarios.find((/** @type {any} */ f) => /label-on-belt\.yaml$/.test(f.path) && S.isShipped(f.path));
-      fill(box, h('div', { class: 'drop-zone' }, h('h1', {}, 'Drop a drawing here'),
-        h('p', {}, 'A DXF or SVG becomes a scenario: marks around it, a machine, a release that cuts it. Start then cuts it on the digital twin and says whether every cut is where it belongs.'),
-        h('div', { class: 'acts' }, h('button', { class: 'primary', on: { click: load } }, 'Load a drawing…'),
-          shipped && h('button', { on: { click: () => actions.open(shipped.path) } }, 'Look at a label on the belt'))),
-      h('p', {}, 'Or choose a scenario on the left.'));
-    } else if (s.check.state === 'failed') {
-      fill(box, h('h1', {}, 'The scenario cannot be checked'), h('p', {}, s.check.fault?.message ?? ''));
-    } else if (s.check.value) {
-      fill(box, h('h1', {}, 'No drawing to show'), h('p', {}, s.check.value.drawing ? 'The drawing has no lines that are cut.' : 'The drawing cannot be read. What is wrong with it is beside “Drawing” on the left; choose another one there, or drop one here.'));
-    } else fill(box);
-  });
+  watch(
+    store,
+    (s) => [s.job === null, s.check, s.session, s.files, s.busy],
+    (s) => {
+      const drawn = entitiesOf(s).length > 0;
+      box.hidden = drawn || (s.job !== null && s.check.state === 'busy' && !s.check.value);
+      if (box.hidden) return;
+      if (s.job === null) {
+        const shipped = s.files.scenarios.find(
+          (/** @type {any} */ f) => /label-on-belt\.yaml$/.test(f.path) && S.isShipped(f.path),
+        );
+        fill(
+          box,
+          h(
+            'div',
+            { class: 'drop-zone' },
+            h('h1', {}, 'Drop a drawing here'),
+            h(
+              'p',
+              {},
+              'A DXF or SVG becomes a scenario: marks around it, a machine, a release that cuts it. Start then cuts it on the digital twin and says whether every cut is where it belongs.',
+            ),
+            h(
+              'div',
+              { class: 'acts' },
+              h('button', { class: 'primary', on: { click: load } }, 'Load a drawing…'),
+              shipped &&
+                h('button', { on: { click: () => actions.open(shipped.path) } }, 'Look at a label on the belt'),
+            ),
+          ),
+          h('p', {}, 'Or choose a scenario on the left.'),
+        );
+      } else if (s.check.state === 'failed') {
+        fill(box, h('h1', {}, 'The scenario cannot be checked'), h('p', {}, s.check.fault?.message ?? ''));
+      } else if (s.check.value) {
+        fill(
+          box,
+          h('h1', {}, 'No drawing to show'),
+          h(
+            'p',
+            {},
+            s.check.value.drawing
+              ? 'The drawing has no lines that are cut.'
+              : 'The drawing cannot be read. What is wrong with it is beside “Drawing” on the left; choose another one there, or drop one here.',
+          ),
+        );
+      } else fill(box);
+    },
+  );
 }

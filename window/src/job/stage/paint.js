@@ -9,7 +9,22 @@ import { measured, scaleBar, toScreen } from './geometry.js';
 /** @typedef {import('../motion.js').Motion} Motion */
 
 const kDash = { cut: [], 'half-cut': [9, 3, 2, 3], crease: [7, 4], perforation: [3, 3], ignore: [1, 4] };
-const kColours = ['cut', 'crease', 'half-cut', 'perforation', 'ignore', 'acc', 'fail', 'jump', 'field', 'fg', 'mute', 'line', 'bg', 'stage'];
+const kColours = [
+  'cut',
+  'crease',
+  'half-cut',
+  'perforation',
+  'ignore',
+  'acc',
+  'fail',
+  'jump',
+  'field',
+  'fg',
+  'mute',
+  'line',
+  'bg',
+  'stage',
+];
 
 /** The page's colours, as they are in the present scheme. @param {Element} element @returns {Record<string, string>} */
 export function coloursOf(element) {
@@ -76,7 +91,11 @@ export function paintSheet(g, view, colours, { paths, jumps, faint }) {
   if (jumps) stroke(g, view, jumps, { colour: colours.jump, width: 1, dash: [4, 4] });
   g.globalAlpha = faint ? 0.55 : 1;
   for (const { process, path } of paths)
-    stroke(g, view, path, { colour: colours[process] ?? colours.ignore, width: process === 'ignore' ? 1 : 1.6, dash: /** @type {any} */ (kDash)[process] ?? kDash.ignore });
+    stroke(g, view, path, {
+      colour: colours[process] ?? colours.ignore,
+      width: process === 'ignore' ? 1 : 1.6,
+      dash: /** @type {any} */ (kDash)[process] ?? kDash.ignore,
+    });
   g.globalAlpha = 1;
 }
 
@@ -88,7 +107,8 @@ const kSteps = 24;
  */
 export function paintRun(g, view, colours, motion, { from, to, by, jumps }) {
   g.lineCap = g.lineJoin = 'round';
-  const kind = (/** @type {number} */ i) => (motion.lit[i] ? 1 + Math.min(Math.ceil(kSteps * shareAt(motion, i, by)), kSteps + 1) : 0);
+  const kind = (/** @type {number} */ i) =>
+    motion.lit[i] ? 1 + Math.min(Math.ceil(kSteps * shareAt(motion, i, by)), kSteps + 1) : 0;
   for (let i = from; i < to;) {
     const k = kind(i + 1);
     g.beginPath();

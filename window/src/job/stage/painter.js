@@ -86,7 +86,12 @@ export function createPainter(canvas, get, hand) {
     const g = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
     g.clearRect(0, 0, width, height);
     if (motion) P.paintReach(g, view, colours, motion, state.period);
-    if (entities.length > 0 || motion) P.paintSheet(g, view, colours, { paths: paths(entities), jumps: state.stage.jumps ? jumps(motion) : null, faint: Boolean(motion) && state.period > 0 });
+    if (entities.length > 0 || motion)
+      P.paintSheet(g, view, colours, {
+        paths: paths(entities),
+        jumps: state.stage.jumps ? jumps(motion) : null,
+        faint: Boolean(motion) && state.period > 0,
+      });
     if (motion && state.period > 0) {
       paintRun(state, motion);
       g.drawImage(run, 0, 0, width, height);
@@ -106,7 +111,12 @@ export function createPainter(canvas, get, hand) {
   function paintHand(g, state) {
     const { tool, measure } = state.stage;
     if (tool === 'measure' || measure.length > 0)
-      P.paintMeasure(g, view, colours, { from: measure[0] ?? null, to: measure[1] ?? null, cursor: tool === 'measure' ? hand.cursor : null, kind: hand.kind });
+      P.paintMeasure(g, view, colours, {
+        from: measure[0] ?? null,
+        to: measure[1] ?? null,
+        cursor: tool === 'measure' ? hand.cursor : null,
+        kind: hand.kind,
+      });
     if (!hand.band) return;
     const { x0, y0, x1, y1 } = hand.band;
     g.fillStyle = colours.field;
@@ -171,6 +181,11 @@ function numbersOf(state, entities) {
     if (!points?.length) return [];
     const i = Math.floor((points.length - 1) / 2);
     const j = Math.min(i + 1, points.length - 1);
-    return [{ at: /** @type {[number, number]} */ ([(points[i][0] + points[j][0]) / 2, (points[i][1] + points[j][1]) / 2]), text: String(place + 1) }];
+    return [
+      {
+        at: /** @type {[number, number]} */ ([(points[i][0] + points[j][0]) / 2, (points[i][1] + points[j][1]) / 2]),
+        text: String(place + 1),
+      },
+    ];
   });
 }
