@@ -5,6 +5,7 @@ import { commandOf, quoted } from '../src/job/command.js';
 import { entitiesChosen, entityOfLine, lineChosen, linesOfEntities, periodOfLine } from '../src/job/links.js';
 import { idWords, moved, nudged } from '../src/job/order.js';
 import { nameInScenario, pathOfName } from '../src/job/paths.js';
+import { headOf, itemsOf } from '../src/job/stage/findings.js';
 import * as S from '../src/job/state.js';
 import { createStore, watch } from '../src/shared/store.js';
 
@@ -208,4 +209,38 @@ test('a store tells changes in their order, and watchers only what they look at'
   store.update((s) => ({ ...s, a: 1 }));
   assert.deepEqual(seen, [0, 1, 2]);
   assert.deepEqual(store.get(), { a: 2, b: 5 });
+});
+
+test('a firmware with a job of its own needs no plan', () => {
+  let s = S.answered(open(), 'check', { issues: [], fits: true, values: { 'firmware.dialog': 'line-ok' } });
+  s = S.refused(s, 'plan', { message: 'no planner serves line-ok', issues: [] });
+  assert.equal(S.whyNotStart(s), '');
+  assert.match(headOf(s, itemsOf(s)), /no preview/);
+});
+
+test('findings of drawing and plan are one list, accepted ones left out', () => {
+  const finding = { kind: 'gap', severity: 'error', message: 'a gap', where_mm: [1, 2], entities: [3], line: 9 };
+  let s = S.answered(open(), 'check', {
+    issues: [],
+    fits: true,
+    values: {},
+    drawing: {
+      entities: [],
+      findings: [finding, { ...finding, accepted: true }, { ...finding, severity: 'warning', entities: [] }],
+    },
+  });
+  s = S.answered(s, 'plan', {
+    issues: [{ line: 4, message: 'beyond the field', severity: 'error', source: 'gcode' }],
+    gcode: '',
+  });
+  const items = itemsOf(s);
+  assert.deepEqual(
+    items.map((i) => [i.number, i.place]),
+    [
+      [1, 'E3'],
+      [2, 'line 9 of the drawing'],
+      [3, 'G-code, line 4'],
+    ],
+  );
+  assert.equal(headOf(s, items), '2 faults, 1 note');
 });

@@ -191,17 +191,20 @@ export function issuesByKey(state) {
   return of;
 }
 
+/** Is the job planned by the reference planner? A firmware that takes G-code line by line, or holds its job, needs none. @param {State} state */
+export const isPlanned = (state) => (state.check.value?.values?.['firmware.dialog'] ?? 'kerfbench') === 'kerfbench';
+
 /** Everything that keeps the job from being run, as sentences. @param {State} state @returns {Issue[]} */
 export function obstacles(state) {
   const errors = (/** @type {Issue[]} */ list) => list.filter((i) => (i.severity ?? 'error') === 'error');
   const { check, plan } = state;
   const of_check = errors(check.value?.issues ?? []);
   // A job that cannot be read cannot be planned either; its faults are not told twice.
-  const of_plan = of_check.length > 0 ? [] : errors(plan.value?.issues ?? []);
-  const faults = [check, plan]
+  if (of_check.length > 0) return of_check;
+  const faults = [check, ...(isPlanned(state) ? [plan] : [])]
     .filter((a) => a.state === 'failed' && a.fault)
     .map((a) => ({ message: /** @type {Fault} */ (a.fault).message }));
-  return [...of_check, ...of_plan, ...(of_check.length > 0 ? [] : faults)];
+  return [...errors(plan.value?.issues ?? []), ...faults];
 }
 
 /** May Start be pressed? @param {State} state @returns {string} why not, in a sentence; empty: yes */
@@ -210,7 +213,9 @@ export function whyNotStart(state) {
   if (state.session && state.session.can_run === false) return 'This server only shows traces.';
   if (state.run && isGoing(state.run)) return 'A run is going on.';
   if (state.job.readOnly && isChanged(state.job)) return 'Save a copy first: what is shipped stays as it is.';
-  if (state.check.state === 'busy' || state.check.state === 'none') return 'The scenario is being checked.';
+  const waits = (/** @type {Answer<any>} */ { state: at }) => at === 'busy' || at === 'none';
+  if (waits(state.check)) return 'The scenario is being checked.';
+  if (waits(state.plan)) return 'The job is being planned.';
   const count = obstacles(state).length;
   if (count > 0) return count === 1 ? 'One fault must be mended first.' : `${count} faults must be mended first.`;
   return '';

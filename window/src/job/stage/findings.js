@@ -34,7 +34,7 @@ export function itemsOf(s) {
   }));
   // A scenario that is refused has these beside its fields already.
   const planned =
-    s.plan.state === 'failed' && s.check.value?.fits
+    s.plan.state === 'failed' && s.check.value?.fits && S.isPlanned(s)
       ? [
           {
             severity: 'error',
@@ -47,6 +47,26 @@ export function itemsOf(s) {
         ]
       : [];
   return [...drawn, ...job, ...planned].map((item, i) => ({ ...item, number: i + 1 }));
+}
+
+/** @param {number} count @param {string} one @param {string} several */
+const counted = (count, one, several) => (count === 0 ? '' : `${count} ${count === 1 ? one : several}`);
+
+/** What stands above the list, or in its place. @param {S.State} s @param {Item[]} items */
+export function headOf(s, items) {
+  const errors = items.filter((i) => i.severity === 'error').length;
+  if (items.length > 0)
+    return [counted(errors, 'fault', 'faults'), counted(items.length - errors, 'note', 'notes')]
+      .filter(Boolean)
+      .join(', ');
+  if (s.check.state === 'busy' || s.plan.state === 'busy' || s.plan.state === 'none') return 'Planning the job…';
+  if (!S.isPlanned(s)) return 'Nothing is wrong. The firmware takes a job of its own, so there is no preview.';
+  const facts = s.plan.value?.facts;
+  if (!facts) return 'Nothing is wrong with the drawing.';
+  const belt =
+    facts.max_belt_speed_mm_s > 0 ? `; the belt may run at up to ${facts.max_belt_speed_mm_s.toFixed(1)} mm/s` : '';
+  const lengths = `${facts.cut_length_mm.toFixed(0)} mm of cuts and ${facts.jump_length_mm.toFixed(0)} mm of jumps`;
+  return `Nothing is wrong. ${lengths} in ${facts.unit_time_s.toFixed(2)} s${belt}.`;
 }
 
 /**
@@ -101,21 +121,7 @@ export function mountFindings(element, pins, store, toPlace, painter) {
     (s) => {
       items = s.job ? itemsOf(s) : [];
       box.hidden = !s.job || !s.check.value?.drawing;
-      const errors = items.filter((i) => !isWarning(i)).length;
-      const warnings = items.length - errors;
-      const words = [
-        errors > 0 && `${errors} ${errors === 1 ? 'fault' : 'faults'}`,
-        warnings > 0 && `${warnings} ${warnings === 1 ? 'note' : 'notes'}`,
-      ]
-        .filter(Boolean)
-        .join(', ');
-      const facts = s.plan.value?.facts;
-      const good = facts
-        ? `Nothing is wrong. ${facts.cut_length_mm.toFixed(0)} mm of cuts and ${facts.jump_length_mm.toFixed(0)} mm of jumps in ${facts.unit_time_s.toFixed(2)} s` +
-          `${facts.max_belt_speed_mm_s > 0 ? `; the belt may run at up to ${facts.max_belt_speed_mm_s.toFixed(1)} mm/s` : ''}.`
-        : 'Nothing is wrong with the drawing.';
-      const waiting = s.check.state === 'busy' || s.plan.state === 'busy' || s.plan.state === 'none';
-      say(title, items.length > 0 ? words : waiting ? 'Planning the job…' : good);
+      say(title, headOf(s, items));
       title.classList.toggle('good', items.length === 0);
       keyed(
         list,

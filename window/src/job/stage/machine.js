@@ -1,41 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 // The machine as it runs, in the place of the drawing.
 // @ts-check
-import { h } from '../../shared/dom.js';
+import { fill, h } from '../../shared/dom.js';
 import { watch } from '../../shared/store.js';
 import * as S from '../state.js';
 
 /** @param {Element} stage @param {import('../page.js').Store} store */
 export function mountMachine(stage, store) {
-  const box = h('div', {
-    class: 'live',
-    id: 'live',
-    hidden: true,
-    role: 'region',
-    'aria-label': 'The machine as it runs',
-  });
+  const holder = h('div', { class: 'machine' });
+  const words = h('p', { class: 'hint' });
+  const box = h(
+    'section',
+    { class: 'live', id: 'live', 'aria-label': 'The machine as it runs', hidden: true },
+    holder,
+    words,
+  );
   stage.append(box);
-  /** @type {{ id: string, view: { close(): void } | null } | null} */
+  /** @type {{ id: string, close: () => void } | null} */
   let shown = null;
   watch(
     store,
     (s) => [s.stage.show, s.run?.id],
-    async (s) => {
-      const wanted = s.stage.show === 'machine' && s.run ? s.run.id : null;
-      box.hidden = wanted === null;
-      if (shown?.id === wanted || wanted === null) return;
-      shown?.view?.close();
-      const mine = { id: wanted, view: /** @type {any} */ (null) };
-      shown = mine;
-      try {
-        // three.js is fetched only when somebody wants to see the machine.
-        const { mountLive } = await import('../../live.js');
-        const view = await mountLive(box, wanted);
-        if (shown === mine) mine.view = view;
-        else view?.close();
-      } catch (error) {
-        store.update(S.failed(`The machine cannot be shown: ${error instanceof Error ? error.message : error}`));
-      }
+    async ({ stage: { show }, run }) => {
+      box.hidden = show !== 'machine';
+      fill(words, run ? '' : 'Start a run to see the machine cut.');
+      words.hidden = run !== null;
+      if (box.hidden || shown?.id === run?.id) return;
+      shown?.close();
+      fill(holder);
+      shown = run && (await showLive(holder, run.id, store));
     },
   );
+}
+
+/**
+ * three.js is fetched only when somebody wants to see the machine. What was closed before it was there stays closed.
+ * @param {Element} holder @param {string} id @param {import('../page.js').Store} store
+ */
+async function showLive(holder, id, store) {
+  const { mountLive } = await import('../../live.js');
+  const view = await mountLive(holder, id).catch((/** @type {Error} */ fault) => {
+    store.update(S.failed(`The machine cannot be shown: ${fault.message}`));
+    return null;
+  });
+  return { id, close: () => view?.close() };
 }

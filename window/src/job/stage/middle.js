@@ -164,13 +164,12 @@ function toolBar(store, painter) {
   const views = h('div', { class: 'segment', role: 'group', 'aria-label': 'What is shown' }, show);
   watch(
     store,
-    (s) => [s.stage, s.run?.id],
-    ({ stage, run }) => {
+    (s) => [s.stage],
+    ({ stage }) => {
       for (const button of tools) button.setAttribute('aria-pressed', String(button.dataset.tool === stage.tool));
       for (const button of show) button.setAttribute('aria-pressed', String(button.dataset.show === stage.show));
       jumps.setAttribute('aria-pressed', String(stage.jumps));
       numbers.setAttribute('aria-pressed', String(stage.numbers));
-      views.hidden = !run;
     },
   );
   const bar = h(
