@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import * as R from '../src/job/run.js';
+import { runsOf, whenWords } from '../src/job/earlier.js';
 import { resultPath } from '../src/job/actions.js';
 
 const begun = () => R.runBegun({ id: 4, state: 'running', command: 'kerfbench run a.yaml' }, 'a.yaml');
@@ -74,4 +75,20 @@ test('addresses of results hold every name', () => {
 
 test('durations', () => {
   assert.deepEqual([0, 7.6, 60, 3725].map(R.duration), ['0 s', '8 s', '1 min 0 s', '1 h 2 min']);
+});
+
+test('earlier runs are those of the scenario, as many as one looks at', () => {
+  const runs = Array.from({ length: 20 }, (_, i) => ({
+    path: `r${i}`,
+    scenario: i % 2 ? 'a' : 'b',
+    verdict: 'PASS',
+    when: '',
+  }));
+  assert.deepEqual(
+    runsOf({ runs }, 'a').map((run) => run.path),
+    ['r1', 'r3', 'r5', 'r7', 'r9', 'r11', 'r13', 'r15'],
+  );
+  assert.deepEqual(runsOf({}, undefined), []);
+  assert.match(whenWords('2026-11-28T16:05:12Z'), /^2026-11-2\d \d\d:\d\d$/);
+  assert.equal(whenWords('?'), '?');
 });

@@ -7,6 +7,7 @@ import { shellBar } from '../shared/shell.js';
 import { watch } from '../shared/store.js';
 import { commandOf } from './command.js';
 import { mountChoices } from './choices.js';
+import { mountEarlier } from './earlier.js';
 import { mountParameters } from './parameters.js';
 import { mountRight } from './right.js';
 import { mountRun } from './run_panel.js';
@@ -28,6 +29,7 @@ export function mountPage(root, store, actions) {
   mountRun(runArea, store, actions);
   mountChoices(left, store, actions);
   mountParameters(left, store, actions);
+  mountEarlier(left, store);
   mountMiddle(middle, store, actions);
   mountRight(right, store, actions);
   takeDrops(store, actions);
