@@ -38,10 +38,12 @@ export function mountMachine(stage, store) {
  * @param {Element} holder @param {string} id @param {import('../page.js').Store} store
  */
 async function showLive(holder, id, store) {
-  const { mountLive } = await import('../../live.js');
-  const view = await mountLive(holder, id).catch((/** @type {Error} */ fault) => {
-    store.update(S.failed(`The machine cannot be shown: ${fault.message}`));
-    return null;
-  });
-  return { id, close: () => view?.close() };
+  try {
+    const { mountLive } = await import('../../live.js');
+    const view = await mountLive(holder, id);
+    return { id, close: () => view.close() };
+  } catch (fault) {
+    store.update(S.failed(`The machine cannot be shown: ${fault instanceof Error ? fault.message : fault}`));
+    return { id, close: () => {} };
+  }
 }
