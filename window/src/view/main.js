@@ -1,6 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page that shows a trace, of a run that has ended or goes on.
-import { getJson } from '../shared/api.js';
+// @ts-check
+// The page that shows a trace: the one of its address, `/view?trace=PATH#t=SECONDS`, or a file that is dropped into it.
 
-const session = await getJson('/api/session');
-document.title = `Kerfbench ${session.version}: trace`;
+import { h, fill } from '../shared/dom.js';
+import { keepHash, mountViewer, timeOfHash } from './mount.js';
+
+const element = /** @type {HTMLElement} */ (document.getElementById('view'));
+/** @type {{close: () => void} | undefined} */
+let shown;
+
+/** @param {import('./mount.js').Source} source */
+async function show(source) {
+  shown?.close();
+  shown = undefined;
+  try {
+    const viewer = await mountViewer(element, source);
+    const stop = keepHash(viewer);
+    shown = { close: () => { stop(); viewer.close(); } };
+  } catch (fault) {
+    offer(/** @type {Error} */ (fault).message);
+  }
+}
+
+/** A place to drop a trace. @param {string} [fault] */
+function offer(fault) {
+  const input = h('input', { type: 'file', accept: '.mcap,.part', on: { change: () => input.files?.[0] && void show({ trace: input.files[0], name: input.files[0].name }) } });
+  fill(element, h('div', { class: 'offer' }, h('h1', {}, 'Trace'), fault ? h('p', { class: 'fault', role: 'alert' }, `The trace cannot be shown: ${fault}`) : null,
+    h('p', {}, 'Drop a trace here (run.mcap of a results folder), or choose one. It stays on this computer.'), h('label', { class: 'file' }, 'Trace ', input)));
+}
+
+addEventListener('dragover', (event) => event.preventDefault());
+addEventListener('drop', (event) => {
+  event.preventDefault();
+  const file = event.dataTransfer?.files[0];
+  if (file) void show({ trace: file, name: file.name });
+});
+
+const path = new URLSearchParams(location.search).get('trace');
+if (path) await show({ trace: path, t_s: timeOfHash(location.hash) });
+else offer();

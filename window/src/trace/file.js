@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// @ts-check
+// A trace as a file: which chunks it has, at which times, with which topics; and what is in one of them. Nothing is
+// read before it is asked for but the summary, so that a file of any length opens at once.
+
+import { McapIndexedReader } from '@mcap/core';
+import { BlockCache } from './readable.js';
+import {
+  chunkHeadOf, decompressHandlers, eachRecord, headOf, kMagic_bytes, kOpcode, kRecordHead_bytes, secondsOf,
+  unpackedChunk,
+} from './records.js';
+import { countBefore, countUpTo } from './search.js';
+
+/**
+ * @typedef {import('./readable.js').Readable} Readable
+ * @typedef {import('./records.js').Message} Message
+ * @typedef {{start_s: number, end_s: number, offset: number, length: number, channels: number[]}} ChunkPlace
+ *   times of its first and last message; bytes of the chunk's record in the file, its head included
+ * @typedef {{places: number[], starts_s: Float64Array, ends_s: Float64Array}} TopicChunks
+ *   indexes of the chunks that have a topic, in ascending order of their starts; ends_s has the latest end up to each
+ */
+
+/** Bytes of a chunk's record up to the name of its compression, with room for any name. */
+const kChunkHead_bytes = 64;
+
+export class TraceFile {
+  /** @type {Map<string, TopicChunks>} */
+  #byTopic = new Map();
+
+  /**
+   * @param {Readable} readable @param {ChunkPlace[]} chunks @param {Map<number, string>} topics by channel
+   * @param {boolean} complete false for a trace that was cut off
+   */
+  constructor(readable, chunks, topics, complete) {
+    this.readable = readable;
+    this.chunks = chunks;
+    this.topics = topics;
+    this.complete = complete;
+    this.#indexTopics();
+  }
+
+  /**
+   * Opens a trace by its summary; one that was cut off, by walking over what is there.
+   * @param {Readable} readable
+   * @throws {Error} that says why the bytes are no trace
+   */
+  static async open(readable) {
+    const cached = new BlockCache(readable);
+    return (await byTheSummary(cached)) ?? walked(cached);
+  }
+
+  /** Times of the first and the last message, s. */
+  get extent_s() {
+    let [from, to] = [Infinity, -Infinity];
+    for (const chunk of this.chunks) {
+      from = Math.min(from, chunk.start_s);
+      to = Math.max(to, chunk.end_s);
+    }
+    return this.chunks.length ? { from, to } : { from: 0, to: 0 };
+  }
+
+  /** @param {string} topic */
+  has(topic) {
+    return this.#byTopic.has(topic);
+  }
+
+  /**
+   * Indexes of the chunks that have messages of a topic with times in [from_s, to_s]; other chunks may be among them.
+   * @param {string} topic @param {number} from_s @param {number} to_s @returns {number[]}
+   */
+  chunksOf(topic, from_s = -Infinity, to_s = Infinity) {
+    const found = this.#byTopic.get(topic);
+    if (!found) return [];
+    return found.places.slice(countBefore(found.ends_s, from_s), countUpTo(found.starts_s, to_s));
+  }
+
+  /**
+   * Messages of a chunk by topic.
+   * @param {number} index of the chunk @returns {Promise<Map<string, Message[]>>}
+   */
+  async messagesIn(index) {
+    const { offset, length } = this.chunks[index];
+    const record = await this.readable.read(BigInt(offset), BigInt(length));
+    /** @type {Map<string, Message[]>} */
+    const byTopic = new Map();
+    eachRecord(unpackedChunk(record.subarray(kRecordHead_bytes)), {
+      message: (message) => {
+        const topic = this.topics.get(message.channel) ?? '';
+        const list = byTopic.get(topic);
+        if (list) list.push(message);
+        else byTopic.set(topic, [message]);
+      },
+    });
+    return byTopic;
+  }
+
+  /**
+   * All messages of a topic that is short: the machine, the checks, a level of the overview.
+   * @param {string} topic @returns {Promise<Message[]>}
+   */
+  async messagesOf(topic) {
+    const chunks = await Promise.all(this.chunksOf(topic).map((index) => this.messagesIn(index)));
+    return chunks.flatMap((byTopic) => byTopic.get(topic) ?? []);
+  }
+
+  #indexTopics() {
+    /** @type {Map<number, number[]>} */
+    const places = new Map();
+    const order = this.chunks.map((_, index) => index);
+    order.sort((a, b) => this.chunks[a].start_s - this.chunks[b].start_s || a - b);
+    for (const index of order) {
+      for (const channel of this.chunks[index].channels) {
+        const list = places.get(channel);
+        if (list) list.push(index);
+        else places.set(channel, [index]);
+      }
+    }
+    for (const [channel, list] of places) {
+      const starts_s = Float64Array.from(list, (index) => this.chunks[index].start_s);
+      let latest = -Infinity;
+      const ends_s = Float64Array.from(list, (index) => (latest = Math.max(latest, this.chunks[index].end_s)));
+      this.#byTopic.set(this.topics.get(channel) ?? '', { places: list, starts_s, ends_s });
+    }
+  }
+}
+
+/** @param {Readable} readable @returns {Promise<TraceFile | undefined>} undefined: it has no summary */
+async function byTheSummary(readable) {
+  const size = await readable.size();
+  if (size < BigInt(2 * kMagic_bytes)) throw new Error('this is no trace: it is too short');
+  const magic = await readable.read(0n, BigInt(kMagic_bytes));
+  if (!isMagic(magic)) throw new Error('this is no trace: it does not begin as an MCAP file does');
+  if (!isMagic(await readable.read(size - BigInt(kMagic_bytes), BigInt(kMagic_bytes)))) return undefined;
+  const reader = await McapIndexedReader.Initialize({ readable, decompressHandlers });
+  const topics = new Map([...reader.channelsById].map(([id, channel]) => [id, channel.topic]));
+  const chunks = reader.chunkIndexes.map((chunk) => ({
+    start_s: secondsOf(chunk.messageStartTime),
+    end_s: secondsOf(chunk.messageEndTime),
+    offset: Number(chunk.chunkStartOffset),
+    length: Number(chunk.chunkLength),
+    channels: [...chunk.messageIndexOffsets.keys()],
+  }));
+  return new TraceFile(readable, chunks, topics, true);
+}
+
+/** @param {Uint8Array} bytes */
+function isMagic(bytes) {
+  const magic = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
+  return magic.every((value, i) => bytes[i] === value);
+}
+
+/**
+ * Walks from record to record up to the last whole one.
+ * @param {Readable} readable @returns {Promise<TraceFile>}
+ */
+async function walked(readable) {
+  const size = Number(await readable.size());
+  /** @type {ChunkPlace[]} */
+  const chunks = [];
+  let at = kMagic_bytes;
+  while (at + kRecordHead_bytes <= size) {
+    const bytes = await readable.read(BigInt(at), BigInt(Math.min(kChunkHead_bytes + kRecordHead_bytes, size - at)));
+    const head = headOf(bytes, 0);
+    if (!head || at + kRecordHead_bytes + head.length > size || head.opcode === kOpcode.dataEnd) break;
+    const length = kRecordHead_bytes + head.length;
+    const content = bytes.subarray(kRecordHead_bytes);
+    if (head.opcode === kOpcode.chunk) {
+      const { start_s, end_s } = chunkHeadOf(content);
+      chunks.push({ start_s, end_s, offset: at, length, channels: [] });
+    } else if (head.opcode === kOpcode.messageIndex && chunks.length) {
+      chunks[chunks.length - 1].channels.push(content[0] + 256 * content[1]);
+    }
+    at += length;
+  }
+  if (!chunks.length) throw new Error('the trace was cut off before its first chunk was complete');
+  return new TraceFile(readable, chunks, await topicsOf(readable, chunks), false);
+}
+
+/**
+ * Topics by channel, as the chunks themselves declare them. A chunk whose message indexes were cut off is listed by its
+ * own messages.
+ * @param {Readable} readable @param {ChunkPlace[]} chunks
+ */
+async function topicsOf(readable, chunks) {
+  /** @type {Map<number, string>} */
+  const topics = new Map();
+  for (const chunk of chunks) {
+    if (chunk.channels.length && chunk.channels.every((channel) => topics.has(channel))) continue;
+    const record = await readable.read(BigInt(chunk.offset), BigInt(chunk.length));
+    const channels = new Set(chunk.channels);
+    eachRecord(unpackedChunk(record.subarray(kRecordHead_bytes)), {
+      channel: ({ id, topic }) => topics.set(id, topic),
+      message: ({ channel }) => channels.add(channel),
+    });
+    chunk.channels = [...channels];
+  }
+  return topics;
+}
+
