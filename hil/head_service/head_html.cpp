@@ -33,49 +33,47 @@ table.iterations td,table.iterations th{padding:6px 5px}
 details{margin:8px 0}td.words{color:var(--mute)}
 )css";
 
-struct Ending {
-  std::string_view css_class, big;
-};
-
-Ending verdictOf(const HeadCalibration& result) {
-  if (result.end == HeadEnd::kNotVerified) return {"notproven", "NOT VERIFIED"};
-  return result.good() ? Ending{"pass", "GOOD"} : Ending{"fail", "NOT GOOD"};
-}
-
 std::string micrometres(double mm) { return fmt::format("{:.{}f}", 1e3 * mm, mm < 0.1 ? 1 : 0); }
+
+std::string ofLargest(const calibrate::LargestError& largest) {
+  return fmt::format("{} ± {}", lengthText(largest.value_mm), lengthText(largest.U_mm));
+}
 
 /// The verdict in one plain sentence or two.
 std::string sentence(const HeadCalibration& result, const HeadPlan& plan) {
   const HeadIteration& best = result.iterations.at(result.best);
   const std::string before = lengthText(result.iterations.front().before.max_mm);
+  const std::string limit = lengthText(plan.limit_mm);
   if (result.end == HeadEnd::kNotVerified) {
     return fmt::format(
-        "A table was fitted to marks that are off by up to {}. It should leave {} at most (k = 2); nothing "
-        "was cut "
-        "with it yet to see.",
-        before, lengthText(2.0 * best.head.table.largest_sigma_mm));
+        "A table was fitted to marks that are off by up to {}. By the fit it should leave {} at most "
+        "anywhere in "
+        "the field (k = 2), the limit is {}; nothing was cut with it yet to see.{}",
+        before, ofLargest(best.table.largest), limit,
+        result.good() ? "" : " That proves nothing: mark more, or verify it.");
   }
   const std::string left = fmt::format(
-      "at {} places that were never marked the beam is off by {} at most, {} RMS; the limit is {}",
-      best.after.marks, lengthText(best.after.max_mm), lengthText(best.after.rms_mm),
-      lengthText(plan.limit_mm));
-  switch (result.end) {
-    case HeadEnd::kGood:
-      return fmt::format("The table is good: {}. Before, marks were off by up to {}.", left, before);
-    case HeadEnd::kNoBetter:
-      return fmt::format("The table is not good enough, and a denser grid no longer improves it: {}.", left);
-    case HeadEnd::kGridsUsed:
-    case HeadEnd::kNotVerified:
-      break;
-  }
-  return fmt::format("The table is not good enough after the last grid: {}.", left);
+      "anywhere in the field the beam is off by {} at most (k = 2), the limit is {}; at {} places that were "
+      "never "
+      "marked {} at most were measured, {} RMS",
+      ofLargest(best.table.largest), limit, best.after.marks, lengthText(best.after.max_mm),
+      lengthText(best.after.rms_mm));
+  if (result.good())
+    return fmt::format("The table is good: {}. Before, marks were off by up to {}.", left, before);
+  const std::string_view why =
+      result.end == HeadEnd::kNoBetter ? "and a denser grid no longer improves it" : "after the last grid";
+  if (result.verdict == inspect::Verdict::kNotProven)
+    return fmt::format("The table is near its limit, and it is not proven on which side, {}: {}.", why, left);
+  return fmt::format("The table is not good enough, {}: {}.", why, left);
 }
 
 std::string header(const HeadCalibration& result, const HeadPlan& plan, const HeadFacts& facts) {
-  const Ending verdict = verdictOf(result);
+  const inspect::Verdict shown =
+      result.end == HeadEnd::kNotVerified ? inspect::Verdict::kNotProven : result.verdict;
   const Vector2d size_mm = facts.field_W_mm.sizes();
   return fmt::format("<header class={}><div class=big>{}</div><p>{}</p><div class=facts>{}</div></header>\n",
-                     verdict.css_class, verdict.big, report::escapeHtml(sentence(result, plan)),
+                     report::verdictClass(shown), result.verdictName(),
+                     report::escapeHtml(sentence(result, plan)),
                      report::htmlFacts({{"Machine", facts.machine},
                                         {"Field", fmt::format("{:g} × {:g} mm", size_mm.x(), size_mm.y())},
                                         {"Kerf camera", facts.camera},
@@ -111,21 +109,36 @@ std::string maps(const HeadCalibration& result, const HeadPlan& plan, const Head
   return html + "<div class=legend>" + report::limitLegend(plan.limit_mm) + "</div>";
 }
 
+/// What is stated of the table, and how the places that verify bear it out.
+std::string statedWords(const HeadIteration& best) {
+  const calibrate::VerifiedTable& table = best.table;
+  const calibrate::CoverBand band = calibrate::coverBand(table.marks);
+  std::string html = fmt::format(
+      "<p class=note>{} of {} places ({:.1f} %) lie within the ellipse in which the fit and all other places "
+      "expect 95 % of them; {} to {} do so by chance{}.",
+      table.covered, table.marks,
+      100.0 * static_cast<double>(table.covered) / static_cast<double>(table.marks), band.least, band.most,
+      table.coverHolds() ? "" : ": <b>what is stated does not fit the places</b>");
+  if (table.disagreeing > 0)
+    html += fmt::format(" {} of them disagree with all others and count by their own error alone.",
+                        table.disagreeing);
+  return html +
+         fmt::format(
+             " The largest error is that anywhere in the field the controller uses, rim included: what "
+             "fit and places together let expect, ± U (k = 2). Before anything was verified the fit alone "
+             "stated more or less of it, by tolerances and data sheets: {} places lie within its 95 %, and "
+             "RMS they are off {:.2f} times as far as it states; chance reaches {:.2f}{}.</p>",
+             best.spread.covered, best.spread.ratio, best.spread.most_ratio,
+             best.spread.holds() ? "" : ": <b>what the fit states is too small</b>");
+}
+
 std::string residuals(const HeadCalibration& result, const HeadPlan& plan) {
   const HeadIteration& best = result.iterations.at(result.best);
   const std::vector<PlaceError> errors = errorsIn(best.verified);
   if (errors.empty()) return {};
-  return fmt::format(
-      "<div class=figs>{}{}</div><p class=note>{} of {} places ({:.1f} %) lie within the ellipse that is "
-      "said to hold "
-      "95 % of them, by the covariance of the fit, of each mark and of its sheet's place. The places of a "
-      "sheet "
-      "share the error of its place: they lie aside together. RMS the places are off {:.2f} times as far as "
-      "stated; chance reaches {:.2f}{}.</p>",
-      errorHistogram(errors, plan.limit_mm), errorScatter(errors, plan.limit_mm), best.spread.covered,
-      errors.size(), 100.0 * static_cast<double>(best.spread.covered) / static_cast<double>(errors.size()),
-      best.spread.ratio, best.spread.most_ratio,
-      best.spread.holds() ? "" : ": <b>what is stated is too small</b>");
+  return fmt::format("<p>{}</p><div class=figs>{}{}</div>{}", report::gaugeSvg(best.check(plan.limit_mm)),
+                     errorHistogram(errors, plan.limit_mm), errorScatter(errors, plan.limit_mm),
+                     statedWords(best));
 }
 
 std::string iterationRow(const HeadIteration& iteration, std::size_t number, bool best, double limit_mm) {
@@ -140,14 +153,14 @@ std::string iterationRow(const HeadIteration& iteration, std::size_t number, boo
       marks.marks.size() + static_cast<std::size_t>(marks.missing), marks.false_marks,
       iteration.head.fit.rejected(), micrometres(iteration.before.max_mm),
       micrometres(iteration.before.rms_mm), table.grid.x_mm().size(), table.grid.y_mm().size(),
-      micrometres(2.0 * table.largest_sigma_mm));
+      fmt::format("{} ± {}", micrometres(iteration.table.largest.value_mm),
+                  micrometres(iteration.table.largest.U_mm)));
   if (iteration.verified.empty()) return html + "<td class=num>–<td class=num>–<td class=num>–</tr>";
   return html + fmt::format("<td class=num>{}, {}<td class='num{}'>{} / {}<td class='num{}'>{:.1f} %</tr>",
                             iteration.after.marks, iteration.verified.size(),
-                            iteration.after.max_mm > limit_mm ? " hit" : "",
-                            micrometres(iteration.after.max_mm), micrometres(iteration.after.rms_mm),
-                            iteration.spread.holds() ? "" : " hit",
-                            100.0 * static_cast<double>(iteration.spread.covered) /
+                            iteration.within(limit_mm) ? "" : " hit", micrometres(iteration.after.max_mm),
+                            micrometres(iteration.after.rms_mm), iteration.spread.holds() ? "" : " hit",
+                            100.0 * static_cast<double>(iteration.table.covered) /
                                 static_cast<double>(std::max<std::size_t>(iteration.after.marks, 1)));
 }
 
@@ -155,8 +168,9 @@ std::string iterations(const HeadCalibration& result, const HeadPlan& plan) {
   std::string html =
       "<table class=iterations><thead><tr><th class=num>#<th class=num>Grid<th class=num>Found<th "
       "class=num>False<th "
-      "class=num>Rejected<th class=num>Off by, µm<br>max / RMS<th class=num>Table<br>nodes<th class=num>U, "
-      "µm<th "
+      "class=num>Rejected<th class=num>Off by, µm<br>max / RMS<th class=num>Table<br>nodes<th "
+      "class=num>Anywhere, "
+      "µm<br>at most<th "
       "class=num>Verified at<br>places, sheets<th class=num>Left, µm<br>max / RMS<th class=num>In the<br>95 "
       "%</tr></thead><tbody>";
   for (std::size_t i = 0; i < result.iterations.size(); ++i)
@@ -164,11 +178,12 @@ std::string iterations(const HeadCalibration& result, const HeadPlan& plan) {
   html +=
       "</tbody></table><p class=note>Each grid is cut with the table of the iteration before, the first with "
       "none or "
-      "the one that was at work. U: how far off the table says the beam may be, in the worst direction of "
-      "the worst "
-      "node, k = 2. In bold: the iteration whose table is the best. Red in the last column: the places are "
-      "farther off than "
-      "what is stated lets expect, so a denser grid follows if there is one.</p>";
+      "the one that was at work. Anywhere: the largest error of the beam in the whole field with the new "
+      "table, "
+      "± U (k = 2); with U it must be within the limit. In bold: the iteration whose table is the best. Red: "
+      "beyond the limit, or not proven to be within it; in the last column: the places are farther off than "
+      "the "
+      "fit states, so a denser grid follows if there is one.</p>";
   std::string remarks;
   for (const HeadIteration& iteration : result.iterations) {
     for (const std::string& remark : iteration.marks.remarks) remarks += "<li>" + report::escapeHtml(remark);
@@ -256,7 +271,7 @@ std::string made(const HeadPlan& plan, const HeadFacts& facts) {
 std::string headHtml(const HeadCalibration& result, const HeadPlan& plan, const HeadFacts& facts) {
   const HeadIteration& best = result.iterations.at(result.best);
   std::string page =
-      report::htmlPageHead(fmt::format("{} – head of {}", verdictOf(result).big, facts.machine), kCss);
+      report::htmlPageHead(fmt::format("{} – head of {}", result.verdictName(), facts.machine), kCss);
   page += header(result, plan, facts);
   page += report::htmlSection("The field", maps(result, plan, facts));
   page += report::htmlSection("What is left", residuals(result, plan));

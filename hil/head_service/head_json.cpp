@@ -28,27 +28,41 @@ Json jsonOf(const MeasuredSheet& sheet) {
           {"digest", sheet.digest}};
 }
 
-Json jsonOf(const HeadIteration& iteration) {
+Json jsonOf(const HeadIteration& iteration, double limit_mm) {
+  const calibrate::VerifiedTable& verified_table = iteration.table;
+  const calibrate::CoverBand band = calibrate::coverBand(verified_table.marks);
   const calibrate::CorrectionTableResult& table = iteration.head.table;
   const auto& surface = iteration.head.fit.surface();
   Json verified = Json::array();
   for (const MeasuredSheet& sheet : iteration.verified) verified.push_back(jsonOf(sheet));
-  return {{"grid", iteration.grid},
-          {"marks", jsonOf(iteration.marks)},
-          {"before", jsonOf(iteration.before)},
-          {"rejected", iteration.head.fit.rejected()},
-          {"noise_ratio", number(iteration.head.fit.noiseRatio())},
-          {"surface_degree", surface ? Json(surface->basis.degree()) : Json(nullptr)},
-          {"table",
-           {{"nodes", {table.grid.x_mm().size(), table.grid.y_mm().size()}},
-            {"interpolation_error_mm", number(table.interpolation_error_mm)},
-            {"largest_correction_mm", number(table.largest_correction_mm)},
-            {"largest_sigma_mm", number(table.largest_sigma_mm)}}},
-          {"verified", verified},
-          {"after", jsonOf(iteration.after)},
-          {"within_stated_95", iteration.spread.covered},
-          {"over_stated", number(iteration.spread.ratio)},
-          {"over_stated_by_chance", number(iteration.spread.most_ratio)}};
+  return {
+      {"grid", iteration.grid},
+      {"marks", jsonOf(iteration.marks)},
+      {"before", jsonOf(iteration.before)},
+      {"rejected", iteration.head.fit.rejected()},
+      {"noise_ratio", number(iteration.head.fit.noiseRatio())},
+      {"surface_degree", surface ? Json(surface->basis.degree()) : Json(nullptr)},
+      {"table",
+       {{"nodes", {table.grid.x_mm().size(), table.grid.y_mm().size()}},
+        {"interpolation_error_mm", number(table.interpolation_error_mm)},
+        {"largest_correction_mm", number(table.largest_correction_mm)},
+        {"largest_sigma_mm", number(table.largest_sigma_mm)}}},
+      {"verified", verified},
+      {"after", jsonOf(iteration.after)},
+      {"largest",
+       {{"value_mm", number(verified_table.largest.value_mm)},
+        {"U_mm", number(verified_table.largest.U_mm)},
+        {"p_W_mm", {number(verified_table.largest.p_W_mm.x()), number(verified_table.largest.p_W_mm.y())}}}},
+      {"verdict", inspect::verdictName(iteration.check(limit_mm).verdict)},
+      {"within_stated_95", verified_table.covered},
+      {"within_stated_95_by_chance", {band.least, band.most}},
+      {"disagreeing", verified_table.disagreeing},
+      {"over_tolerances", number(verified_table.tolerance_factor)},
+      {"over_unmodelled", number(verified_table.surface_factor)},
+      {"over_mark_noise", number(verified_table.mark_factor)},
+      {"within_95_of_fit_alone", iteration.spread.covered},
+      {"over_stated", number(iteration.spread.ratio)},
+      {"over_stated_by_chance", number(iteration.spread.most_ratio)}};
 }
 
 Json jsonOf(const calibrate::HeadParameterFinding& finding) {
@@ -75,9 +89,11 @@ std::string headJson(const HeadCalibration& result, const HeadPlan& plan, const 
             {"limit_mm", plan.limit_mm},
             {"unmodelled_share", facts.unmodelled_share},
             {"good", result.good()},
+            {"verdict", result.verdictName()},
             {"end", result.endWords(plan)},
             {"best_iteration", result.best + 1}};
-  for (const HeadIteration& iteration : result.iterations) json["iterations"].push_back(jsonOf(iteration));
+  for (const HeadIteration& iteration : result.iterations)
+    json["iterations"].push_back(jsonOf(iteration, plan.limit_mm));
   for (const calibrate::HeadParameterFinding& finding :
        result.iterations.at(result.best).head.fit.parameters())
     json["parameters"].push_back(jsonOf(finding));

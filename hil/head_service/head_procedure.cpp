@@ -50,14 +50,25 @@ class Numbers {
   int next_{0};
 };
 
-calibrate::StatedSpread spreadOf(const FittedHead& head, const std::vector<MeasuredSheet>& sheets) {
+/// Marks that were cut with the head's table.
+std::vector<calibrate::HeadObservation> verifyingMarks(const FittedHead& head,
+                                                       const std::vector<MeasuredSheet>& sheets) {
   std::vector<calibrate::HeadObservation> seen;
   int number = 0;
   for (const MeasuredSheet& sheet : sheets) {
     for (const calibrate::HeadObservation& o : observationsOf(sheet, head.table.grid, number++))
       seen.push_back(o);
   }
-  return calibrate::statedSpread(head.fit, seen);
+  return seen;
+}
+
+calibrate::VerifiedTable verified(const FittedHead& head, const HeadSetup& setup,
+                                  const std::vector<calibrate::HeadObservation>& marks) {
+  return calibrate::verifiedTable(head.fit, head.table.grid, setup.controller_W_mm, marks);
+}
+
+std::string lengthWords(const calibrate::LargestError& largest) {
+  return fmt::format("{:.4f} ± {:.4f} mm", largest.value_mm, largest.U_mm);
 }
 
 std::vector<Vector2d> middlesOf(const calibrate::AimGrid& table) {
@@ -74,7 +85,7 @@ std::vector<Vector2d> middlesOf(const calibrate::AimGrid& table) {
 /// A table whose statement holds before one that is nearer.
 bool isBetter(const HeadIteration& now, const HeadIteration& best, double limit_mm) {
   if (now.holds(limit_mm) != best.holds(limit_mm)) return now.holds(limit_mm);
-  return now.after.max_mm < best.after.max_mm;
+  return now.table.largest.value_mm < best.table.largest.value_mm;
 }
 
 /// What the rounds share.
@@ -95,7 +106,8 @@ class Rounds {
                             .head = fitted(observations_, setup_),
                             .verified = {},
                             .after = {},
-                            .spread = {}};
+                            .spread = {},
+                            .table = {}};
     table_ = iteration.head.table.grid;
     ++round_;
     int part = 0;
@@ -103,7 +115,9 @@ class Rounds {
       iteration.verified.push_back(measured(some, fmt::format("{}-verify-{}", round_, ++part)));
     }
     iteration.after = errorsOf(iteration.verified);
-    iteration.spread = spreadOf(iteration.head, iteration.verified);
+    const auto marks_that_verify = verifyingMarks(iteration.head, iteration.verified);
+    iteration.spread = calibrate::statedSpread(iteration.head.fit, marks_that_verify);
+    iteration.table = verified(iteration.head, setup_, marks_that_verify);
     return iteration;
   }
 
@@ -180,17 +194,18 @@ HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, cons
     if (isBetter(now, result.iterations[result.best], plan.limit_mm))
       result.best = result.iterations.size() - 1;
     if (now.holds(plan.limit_mm)) break;
-    if (now.after.max_mm > kNoBetter * least_mm) {
+    if (now.table.largest.value_mm > kNoBetter * least_mm) {
       result.end = HeadEnd::kNoBetter;
       break;
     }
-    least_mm = std::min(least_mm, now.after.max_mm);
+    least_mm = std::min(least_mm, now.table.largest.value_mm);
   }
-  if (result.iterations.at(result.best).within(plan.limit_mm)) result.end = HeadEnd::kGood;
+  result.verdict = result.iterations.at(result.best).check(plan.limit_mm).verdict;
+  if (result.good()) result.end = HeadEnd::kGood;
   return result;
 }
 
-HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& sheet) {
+HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const HeadPlan& plan, const MeasuredSheet& sheet) {
   HeadCalibration result;
   result.iterations.push_back({.grid = 0,
                                .marks = sheet,
@@ -198,44 +213,69 @@ HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& s
                                .head = fitted(observationsOf(sheet, setup.table, 0), setup),
                                .verified = {},
                                .after = {},
-                               .spread = {}});
+                               .spread = {},
+                               .table = {}});
+  HeadIteration& only = result.iterations.back();
+  only.table = verified(only.head, setup, {});
+  result.verdict = only.check(plan.limit_mm).verdict;
   result.end = HeadEnd::kNotVerified;
   return result;
 }
 
-std::string HeadCalibration::endWords(const HeadPlan& plan) const {
-  if (end == HeadEnd::kNotVerified) {
-    const double off_mm = 2.0 * iterations.at(best).head.table.largest_sigma_mm;
-    return fmt::format(
-        "fitted and not verified: the beam should be off by {:.4f} mm at most (k = 2){}; cut other marks "
-        "with "
-        "the table to see",
-        off_mm,
-        off_mm > plan.limit_mm ? fmt::format(", which may be beyond the limit of {:g} mm", plan.limit_mm)
-                               : "");
-  }
-  const SheetErrors& after = iterations.at(best).after;
-  const bool holds = iterations.at(best).spread.holds();
-  const std::string errors = fmt::format(
-      "at {} other places the beam is off by {:.4f} mm at most, {:.4f} mm RMS; the limit is {:g} mm",
-      after.marks, after.max_mm, after.rms_mm, plan.limit_mm);
-  switch (end) {
-    case HeadEnd::kGood:
-      return "good: " + errors + (holds ? "" : "; " + iterations.at(best).spread.words());
-    case HeadEnd::kNoBetter:
-      return "no longer improves: " + errors;
-    case HeadEnd::kGridsUsed:
-    case HeadEnd::kNotVerified:
+inspect::Check HeadIteration::check(double limit_mm) const {
+  inspect::Check check;
+  check.name = "head";
+  check.title = "Largest error of the beam";
+  check.unit = "mm";
+  check.value = table.largest.value_mm;
+  check.limit = limit_mm;
+  check.u = check.guard = table.largest.U_mm;
+  check.where.x_mm = table.largest.p_W_mm.x();
+  check.where.y_mm = table.largest.p_W_mm.y();
+  inspect::decide(check);
+  return check;
+}
+
+std::string_view HeadCalibration::verdictName() const {
+  switch (verdict) {
+    case inspect::Verdict::kPass:
+      return end == HeadEnd::kNotVerified ? "NOT VERIFIED" : "GOOD";
+    case inspect::Verdict::kFail:
+      return "NOT GOOD";
+    case inspect::Verdict::kNotProven:
+      return "NOT PROVEN";
+    case inspect::Verdict::kInvalid:
       break;
   }
-  return "not good enough after the last grid: " + errors;
+  return "INVALID";
+}
+
+std::string HeadCalibration::endWords(const HeadPlan& plan) const {
+  const HeadIteration& it = iterations.at(best);
+  const std::string largest = lengthWords(it.table.largest);
+  if (end == HeadEnd::kNotVerified) {
+    return fmt::format(
+        "{}: fitted and not verified; anywhere in the field the beam should be off by {} at most (k = 2), "
+        "the "
+        "limit is {:g} mm; cut other marks with the table to see",
+        verdictName(), largest, plan.limit_mm);
+  }
+  std::string why;
+  if (!good() && end == HeadEnd::kNoBetter) why = "a denser grid no longer improves it; ";
+  if (!good() && end == HeadEnd::kGridsUsed) why = "after the last grid ";
+  return fmt::format(
+      "{}: {}the beam is off by {} at most anywhere in the field (k = 2); the limit is {:g} mm. Measured at "
+      "{} "
+      "places: {:.4f} mm at most, {:.4f} mm RMS{}",
+      verdictName(), why, largest, plan.limit_mm, it.after.marks, it.after.max_mm, it.after.rms_mm,
+      it.spread.holds() ? "" : "; by what the fit alone states " + it.spread.words());
 }
 
 std::string parameterWords(const calibrate::HeadParameterFinding& finding) {
   const calibrate::HeadParameterText text = calibrate::textOf(finding.which);
   const std::string unit = text.unit.empty() ? "" : fmt::format(" {}", text.unit);
   const std::string value =
-      fmt::format("{}: {:+.3g} ± {:.1g}{}", text.name, finding.value, finding.sigma, unit);
+      fmt::format("{}: {:+.3g} ± {:.1g}{}", text.name, finding.value, 2.0 * finding.sigma, unit);
   if (finding.held) return value;
   if (!finding.mixed_with) return value + ", not held by the marks";
   return value + fmt::format(", not told from: {}", calibrate::textOf(*finding.mixed_with).name);

@@ -4,12 +4,15 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hil/calibrate/head/correction_table.h"
 #include "hil/calibrate/head/head_fit.h"
 #include "hil/calibrate/head/stated_spread.h"
+#include "hil/calibrate/head/verified_table.h"
 #include "hil/head_service/measured_sheet.h"
+#include "hil/inspect/verdict/verdict.h"
 
 namespace kerfbench::head_service {
 
@@ -26,7 +29,7 @@ using CutAndMeasure = std::function<MeasuredSheet(const SheetOrder& order)>;
 struct HeadPlan {
   std::vector<int> grids{3, 9, 17};  ///< Marks along each side of the grid, one iteration each.
   int verify{400};         ///< Marks that verify a table, at places of their own; see verifySheets().
-  double limit_mm{0.010};  ///< Largest error of any of them.
+  double limit_mm{0.010};  ///< Largest error of the beam anywhere in the field, U included.
   std::string date;        ///< ISO 8601 day of the jobs.
   std::uint64_t seed{1};   ///< Seed of the places that verify.
 };
@@ -46,10 +49,17 @@ struct HeadIteration {
   FittedHead head;                      ///< Head fitted to all marks so far but those that verify.
   std::vector<MeasuredSheet> verified;  ///< Sheets cut with head.table, to verify it.
   SheetErrors after;               ///< Errors of the verified sheets; of no marks where nothing was verified.
-  calibrate::StatedSpread spread;  ///< Spread of the marks that verify, compared with what is stated of them.
+  calibrate::StatedSpread spread;  ///< Spread of the marks that verify, over what the fit alone states.
+  calibrate::VerifiedTable table;  ///< What fit and marks that verify state of the table together.
 
-  /// The marks that verify are within the limit, and do not speak against what is stated of the table.
-  [[nodiscard]] bool within(double limit_mm) const { return after.max_mm <= limit_mm; }
+  /// Largest error of the beam with head.table anywhere in the field, against the limit: decided as the
+  /// checks of a run are, with U as guard band.
+  [[nodiscard]] inspect::Check check(double limit_mm) const;
+  /// The table is proven to be within the limit.
+  [[nodiscard]] bool within(double limit_mm) const {
+    return check(limit_mm).verdict == inspect::Verdict::kPass;
+  }
+  /// It is, and the marks that verify do not speak against what the fit states.
   [[nodiscard]] bool holds(double limit_mm) const { return within(limit_mm) && spread.holds(); }
 };
 
@@ -60,28 +70,33 @@ struct HeadCalibration {
   std::vector<HeadIteration> iterations;
   std::size_t best{};  ///< The iteration whose table is the best.
   HeadEnd end{};
-  /// Nothing speaks against the table.
-  [[nodiscard]] bool good() const { return end == HeadEnd::kGood || end == HeadEnd::kNotVerified; }
+  /// Of the best table. PASS is told as GOOD, or NOT VERIFIED where nothing was verified.
+  inspect::Verdict verdict{inspect::Verdict::kInvalid};
+  /// The table is within the limit, U included: as verified, or as the fit alone states.
+  [[nodiscard]] bool good() const { return verdict == inspect::Verdict::kPass; }
+  /// "GOOD", "NOT GOOD", "NOT PROVEN", "NOT VERIFIED"
+  [[nodiscard]] std::string_view verdictName() const;
   [[nodiscard]] std::string endWords(const HeadPlan& plan) const;
 };
 
 /// Rounds of: cut a grid of marks with the table so far, fit the head by all grids, make a table, verify it
 /// at random places that were not marked for the fit, on as many sheets as they need. Ends when the largest
-/// error there is within the limit and the errors are as what is stated of the table lets expect, when the
-/// largest is no longer smaller than 0.9 of the least before, or after the last grid. `told` hears of each
-/// iteration.
+/// error anywhere is proven to be within the limit and the errors are as what the fit states lets expect,
+/// when the largest is no longer smaller than 0.9 of the least before, or after the last grid. `told` hears
+/// of each iteration.
 /// @throws HeadCalibrationError, HeadEvidenceError, ConfigError for places without room, and what `cut` does.
 HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut,
                               const std::function<void(const HeadIteration&)>& told);
 
-/// Calibrates from one measured sheet, cut with the setup's table; nothing is verified.
-HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& sheet);
+/// Calibrates from one measured sheet, cut with the setup's table; nothing is verified, and the verdict is by
+/// what the fit alone states. Of the plan it takes the limit.
+HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const HeadPlan& plan, const MeasuredSheet& sheet);
 
 /// Job over the machine's field. @throws ConfigError for places that leave no room.
 calibrate::MarkJob planSheet(const HeadSetup& setup, const HeadPlan& plan, const std::string& name,
                              const std::vector<Eigen::Vector2d>& places_mm, int first_number);
 
-/// "scale of the X mirror: +0.00812 ± 0.00003"; or why the marks do not hold it.
+/// "scale of the X mirror: +0.00812 ± 0.00006", U with k = 2; or why the marks do not hold it.
 std::string parameterWords(const calibrate::HeadParameterFinding& finding);
 
 }  // namespace kerfbench::head_service

@@ -76,11 +76,10 @@ void addCalibrateHead(CLI::App& calibrate, const cli::CliProgram& program, cli::
       "fitted;\n"
       "its correction table is verified at places that were never marked. docs/how-to/calibrate-a-head.md "
       "says how.\n"
-      "Exit code 0: the table is good; 1: not good enough; 3: the marks cannot be trusted; 65: bad input; "
-      "75: by "
-      "hand,\n"
-      "waiting. In all but the first the table named by --out stays as it is. What is measured already is "
-      "not done again.");
+      "Exit code 0: the table is good, U included; 1: it is not; 3: the marks cannot be trusted; 4: not "
+      "proven;\n65: bad input; 75: by hand, waiting. In all but the first the table named by --out stays as "
+      "it "
+      "is. What is\nmeasured already is not done again.");
   head->add_option("--machine", options.machine, "Machine file")->required();
   head->add_option("--results-dir", options.results_dir, "Folder of this calibration; it goes on from there")
       ->capture_default_str();
@@ -93,7 +92,8 @@ void addCalibrateHead(CLI::App& calibrate, const cli::CliProgram& program, cli::
                    "Marks that verify each table, at random places, on as many sheets as they need")
       ->check(CLI::Range(5, 1000))
       ->capture_default_str();
-  head->add_option("--limit-mm", options.limit_mm, "Largest error at any of them")
+  head->add_option("--limit-mm", options.limit_mm,
+                   "Largest error of the beam anywhere in the field, U included")
       ->check(CLI::Range(1e-4, 10.0))
       ->capture_default_str();
   head->add_option(

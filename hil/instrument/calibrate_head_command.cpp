@@ -14,6 +14,7 @@
 #include "hil/head_service/head_procedure.h"
 #include "hil/head_service/head_report.h"
 #include "hil/head_service/sheet_by_hand.h"
+#include "hil/inspect/verdict/verdict.h"
 #include "hil/instrument/head_exit.h"
 #include "hil/scenario/scenario.h"
 
@@ -22,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kExitNotGood = 1;
 // From so many on the fit takes nothing of the head's surface as told.
 constexpr std::size_t kManyMarks = 40;
 // Shares of the field that the job's marks span, along x and along y.
@@ -54,13 +54,15 @@ void tell(const head_service::HeadIteration& iteration, base::Console& console) 
       fmt::format("    with the new table, at {} other places on {} sheet{}: {:.4f} mm at most, {:.4f} mm "
                   "RMS; {} within the 95 % stated",
                   iteration.after.marks, iteration.verified.size(), iteration.verified.size() == 1 ? "" : "s",
-                  iteration.after.max_mm, iteration.after.rms_mm, iteration.spread.covered));
+                  iteration.after.max_mm, iteration.after.rms_mm, iteration.table.covered));
+  console.say(fmt::format("    anywhere in the field {:.4f} ± {:.4f} mm at most (k = 2)",
+                          iteration.table.largest.value_mm, iteration.table.largest.U_mm));
   if (!iteration.spread.holds()) console.say("    " + iteration.spread.words());
   for (const head_service::MeasuredSheet& sheet : iteration.verified) tell(sheet, console);
 }
 
 void tellParameters(const calibrate::HeadFit& fit, base::Console& console) {
-  console.say("  what the marks tell of the head:");
+  console.say("  what the marks tell of the head (± U, k = 2):");
   for (const calibrate::HeadParameterFinding& finding : fit.parameters())
     if (finding.held) console.say("    " + head_service::parameterWords(finding));
   const auto held = std::ranges::count_if(fit.parameters(), &calibrate::HeadParameterFinding::held);
@@ -68,9 +70,11 @@ void tellParameters(const calibrate::HeadFit& fit, base::Console& console) {
       fmt::format("    {} of {} parameters; the others are in head.json", held, fit.parameters().size()));
 }
 
-/// Number of the iteration, from 1.
-fs::path tableFile(const HeadCalibrateOptions& options, int iteration) {
-  return options.results_dir / fmt::format("correction-{}.csv", iteration);
+/// Keeps the table of an iteration, numbered from 1, whatever becomes of it.
+void writeTable(const HeadCalibrateOptions& options, int number,
+                const head_service::HeadIteration& iteration) {
+  base::writeFileAtomically(options.results_dir / fmt::format("correction-{}.csv", number),
+                            calibrate::csvTable(iteration.head.table.grid));
 }
 
 head_service::HeadOnTwin onTwin(const head_service::HeadSetup& setup, const HeadCalibrateOptions& options,
@@ -139,10 +143,10 @@ void requireAgreement(const HeadCalibrateOptions& options, const calibrate::Mark
 }
 
 head_service::HeadCalibration fitted(const head_service::HeadSetup& setup, const fs::path& pictures,
-                                     const calibrate::MarkJob& job,
-                                     const head_service::MeasuredSheet& sheet) {
+                                     const calibrate::MarkJob& job, const head_service::MeasuredSheet& sheet,
+                                     const head_service::HeadPlan& plan) {
   try {
-    return head_service::calibrateHeadOnce(setup, sheet);
+    return head_service::calibrateHeadOnce(setup, plan, sheet);
   } catch (const calibrate::HeadCalibrationError& error) {
     refuse(pictures, job, sheet, error.what());
   }
@@ -158,7 +162,7 @@ head_service::HeadCalibration fromPictures(const head_service::HeadSetup& setup,
   tell(sheet, console);
   console.say(fmt::format("  {} of {} marks found", sheet.marks.size(), job.marks.size()));
   requireReach(options.pictures, job, sheet);
-  head_service::HeadCalibration result = fitted(setup, options.pictures, job, sheet);
+  head_service::HeadCalibration result = fitted(setup, options.pictures, job, sheet, planOf(options, setup));
   requireAgreement(options, job, sheet, result.iterations.front().head);
   const std::vector<int> left_out = rejectedOf(sheet, result.iterations.front().head.fit);
   if (!left_out.empty()) {
@@ -226,7 +230,7 @@ int conclude(const head_service::HeadCalibration& result, const head_service::He
   if (!result.good()) {
     console.say(fmt::format("the best table is correction-{}.csv in {}; {} is not written", result.best + 1,
                             options.results_dir.string(), table.string()));
-    return kExitNotGood;
+    return inspect::exitCode(result.verdict);
   }
   console.say(fmt::format("table: {} ({} x {} nodes); for the controller: controller: {{correction: {}}}",
                           table.string(), best.table.grid.x_mm().size(), best.table.grid.y_mm().size(),
@@ -243,7 +247,11 @@ int calibrate(const HeadCalibrateOptions& options) {
   const head_service::HeadPlan plan = planOf(options, setup);
   fs::create_directories(options.results_dir);
   console.say(fmt::format("head of {}, kerf camera {}", setup.name, setup.camera.camera_id));
-  if (cut) return conclude(fromPictures(setup, options, console), plan, setup, options, console);
+  if (cut) {
+    const head_service::HeadCalibration result = fromPictures(setup, options, console);
+    writeTable(options, 1, result.iterations.front());
+    return conclude(result, plan, setup, options, console);
+  }
   console.say(fmt::format("  marks of {:g} mm over {:g} x {:g} mm", setup.mark_size_mm,
                           setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y()));
   const head_service::CutAndMeasure sheets =
@@ -254,9 +262,7 @@ int calibrate(const HeadCalibrateOptions& options) {
   const head_service::HeadCalibration result =
       head_service::calibrateHead(setup, plan, sheets, [&](const head_service::HeadIteration& iteration) {
         tell(iteration, console);
-        if (options.by_hand)
-          base::writeFileAtomically(tableFile(options, ++iterations),
-                                    calibrate::csvTable(iteration.head.table.grid));
+        writeTable(options, ++iterations, iteration);
       });
   return conclude(result, plan, setup, options, console);
 }

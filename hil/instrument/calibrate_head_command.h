@@ -40,8 +40,9 @@ struct HeadCalibrateOptions {
 
 /// Calibrates a scan head by marks that the twin cuts, or by the pictures of a sheet that is cut; writes the
 /// controller's correction table, what was measured, and a report. Returns 0; 1 if the table is not good
-/// enough, 3 for marks or pictures that cannot be trusted, base::kExitInput: then the table named by `out` is
-/// as it was. By hand base::kExitWaiting until the pictures of the next sheet are there.
+/// enough, 4 if it is not proven to be, 3 for marks or pictures that cannot be trusted, base::kExitInput:
+/// then the table named by `out` is as it was. By hand base::kExitWaiting until the pictures of the next
+/// sheet are there.
 int calibrateHeadCommand(const HeadCalibrateOptions& options);
 
 }  // namespace kerfbench::instrument

@@ -60,7 +60,8 @@ void tell(const calibrate::QuickCheckResult& result, const head_service::Measure
   for (const std::string& remark : sheet.remarks) console.say("    " + remark);
   for (const calibrate::DriftFinding& drift : result.drifts) {
     console.say(fmt::format("  {:<18}{:+.6f} ± {:.6f}{}{}", calibrate::nameOf(drift.which), drift.value,
-                            drift.sigma, calibrate::unitOf(drift.which), drift.changed ? ", changed" : ""));
+                            2.0 * drift.sigma, calibrate::unitOf(drift.which),
+                            drift.changed ? ", changed" : ""));
   }
 }
 

@@ -66,7 +66,9 @@ CalibratedHead calibrated(const HeadKindProof& kind, std::uint64_t seed, const O
     head.max_mm = best.after.max_mm;
     head.rms_mm = best.after.rms_mm;
     head.places = best.after.marks;
-    head.covered = best.spread.covered;
+    head.covered = best.table.covered;
+    head.largest_mm = best.table.largest.value_mm;
+    head.U_mm = best.table.largest.U_mm;
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     if (!before) head.wall_s = took.count();
   } catch (const std::exception& error) {
@@ -77,9 +79,12 @@ CalibratedHead calibrated(const HeadKindProof& kind, std::uint64_t seed, const O
 
 void tell(const std::string& machine, const CalibratedHead& head) {
   if (head.error.empty()) {
-    std::printf("%s, seed %llu: %.3f mm, then %.2f um at most, %.2f um RMS; %zu of %zu within the ellipse\n",
-                machine.c_str(), static_cast<unsigned long long>(head.seed), head.raw_mm, 1e3 * head.max_mm,
-                1e3 * head.rms_mm, head.covered, head.places);
+    std::printf(
+        "%s, seed %llu: %.3f mm, then %.2f um at most, %.2f um RMS, %.2f ± %.2f um anywhere; %zu of %zu "
+        "within "
+        "the ellipse\n",
+        machine.c_str(), static_cast<unsigned long long>(head.seed), head.raw_mm, 1e3 * head.max_mm,
+        1e3 * head.rms_mm, 1e3 * head.largest_mm, 1e3 * head.U_mm, head.covered, head.places);
   } else {
     std::printf("%s, seed %llu: %s\n", machine.c_str(), static_cast<unsigned long long>(head.seed),
                 head.error.c_str());

@@ -42,6 +42,8 @@ CalibratedHead goodHead(std::uint64_t seed) {
           .iterations = 1,
           .max_mm = 0.008,
           .rms_mm = 0.003,
+          .largest_mm = 0.0085,
+          .U_mm = 0.001,
           .places = 400,
           .covered = 380,
           .wall_s = 1.0};
@@ -60,10 +62,12 @@ TEST(HeadClaims, NameTheHeadThatIsBeyondItsLimitOrTookTooLongOrHasNoTable) {
   proof[0].heads[2].max_mm = 0.0101;
   proof[0].heads[4].iterations = 4;
   proof[0].heads[7].error = "no marks";
+  proof[0].heads[8].U_mm = 0.0016;
   EXPECT_THAT(brokenClaims(proof),
               ElementsAre(HasSubstr("m, seed 3: off by 10.1 um"), HasSubstr("m, seed 5: 4 iterations"),
-                          HasSubstr("m, seed 8: no marks")));
-  EXPECT_THAT(tableOf(proof), HasSubstr(" 7/10"));
+                          HasSubstr("m, seed 8: no marks"),
+                          HasSubstr("m, seed 9: 8.5 ± 1.6 um anywhere are not proven")));
+  EXPECT_THAT(tableOf(proof), HasSubstr(" 6/10"));
 }
 
 TEST(HeadClaims, AnEllipseTooLargeOrTooSmallForManyHeadsIsToldAndOneOddHeadIsNot) {

@@ -65,6 +65,14 @@ std::optional<Eigen::Matrix2Xd> HeadFit::modesAt(const Eigen::Vector2d& aim_W_mm
   return rowsOf(traced->by_departures, basis) * covariance_root_;
 }
 
+std::optional<HeadFit::ErrorModes> HeadFit::errorModesAt(const Eigen::Vector2d& aim_W_mm) const {
+  const auto traced = model_.departureSlopesAt(axes_.matrix() * nominal_.angles_rad(aim_W_mm), departures_);
+  if (!traced) return std::nullopt;
+  const Eigen::VectorXd basis = surface_ ? surface_->basis.valuesAt(aim_W_mm) : Eigen::VectorXd();
+  const Eigen::Matrix2Xd rows = rowsOf(traced->by_departures, basis);
+  return ErrorModes{rows * root_by_marks_, rows * root_by_tolerances_, rows * root_by_surface_};
+}
+
 std::optional<Eigen::Matrix2d> HeadFit::covarianceAt_mm2(const Eigen::Vector2d& aim_W_mm) const {
   const auto modes = modesAt(aim_W_mm);
   if (!modes) return std::nullopt;

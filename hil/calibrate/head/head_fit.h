@@ -98,6 +98,17 @@ class HeadFit {
   /// between both spots, mm².
   [[nodiscard]] std::optional<Eigen::Matrix2Xd> modesAt(const Eigen::Vector2d& aim_W_mm) const;
 
+  /// Errors of spotOf() by where they come from. Columns are independent, of variance 1; together they are
+  /// covarianceAt_mm2(). With C the covariance of the unknowns, P that of the priors and N = C⁻¹ - P⁻¹ what
+  /// the marks hold: C N C is what the noise of the marks and of their sheets' places makes, C P⁻¹ C what the
+  /// head's distance from drawing and data sheets makes. The latter is no better known than these.
+  struct ErrorModes {
+    Eigen::Matrix2Xd by_marks_mm;       ///< Noise of the marks, and their sheets' places.
+    Eigen::Matrix2Xd by_tolerances_mm;  ///< Departures from the drawing, one tolerance each.
+    Eigen::Matrix2Xd by_surface_mm;     ///< The residual surface's prior; no columns without a surface.
+  };
+  [[nodiscard]] std::optional<ErrorModes> errorModesAt(const Eigen::Vector2d& aim_W_mm) const;
+
  private:
   friend class HeadFitter;
   HeadFit(const NominalHead& nominal, const HeadDesign& design) : nominal_(nominal), model_(design) {}
@@ -110,6 +121,8 @@ class HeadFit {
   Eigen::MatrixX2d coefficients_mm_;  ///< Coefficients of the surface, for x and y.
   /// Columns of L with L L^T = covariance of departures and coefficients (x, then y).
   Eigen::MatrixXd covariance_root_;
+  /// Roots of the same by where they come from; their products add up to it.
+  Eigen::MatrixXd root_by_marks_, root_by_tolerances_, root_by_surface_;
   std::vector<HeadParameterFinding> parameters_;
   std::vector<HeadMarkFinding> marks_;
   double noise_ratio_{1.0};

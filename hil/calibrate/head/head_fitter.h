@@ -57,6 +57,7 @@ class HeadFitter {
   HeadFit result() const;
   void reportParameters(HeadFit& fit) const;
   void setNoiseRatio(HeadFit& fit) const;
+  void setErrorRoots(HeadFit& fit) const;
 
   /// Marks that are used. Their noise includes what the model cannot describe, so that it does not pull the
   /// model alone.

@@ -2,6 +2,8 @@
 // HeadFitter: the result.
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "hil/calibrate/head/head_fitter.h"
 #include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/observation.h"
@@ -12,6 +14,18 @@ namespace {
 
 constexpr double kNoiseScaledAt = 2.326;  // 1 % of a normal variable lie beyond.
 constexpr double kMixedCorrelation = 0.7;
+constexpr double kNothingLeft = 1e-10;  // Share of the largest pivot: rounding.
+
+/// R with R Rᵀ = matrix, as many columns as its rank.
+Eigen::MatrixXd semidefiniteRoot(const Eigen::MatrixXd& matrix) {
+  const Eigen::LDLT<Eigen::MatrixXd> factors(matrix);  // Pivoted: the largest come first.
+  const Eigen::VectorXd pivots = factors.vectorD();
+  Eigen::Index rank = 0;
+  while (rank < pivots.size() && pivots[rank] > kNothingLeft * pivots[0]) ++rank;
+  const Eigen::MatrixXd lower = factors.matrixL();
+  return factors.transpositionsP().transpose() *
+         Eigen::MatrixXd(lower.leftCols(rank) * pivots.head(rank).cwiseSqrt().asDiagonal());
+}
 
 }  // namespace
 
@@ -28,11 +42,31 @@ HeadFit HeadFitter::result() const {
   fit.marks_ = findings_;
   for (std::size_t i = 0; i < used_.size(); ++i) fit.marks_[i].used = used_[i];
   setNoiseRatio(fit);
-  fit.covariance_root_ = joint_.covariance_root * (fit.noise_scaled_ ? fit.noise_ratio_ : 1.0);
-  fit.covariance_root_.topRows(kHeadColumns) =
-      tolerances_.asDiagonal() * fit.covariance_root_.topRows(kHeadColumns);
+  setErrorRoots(fit);
   reportParameters(fit);
   return fit;
+}
+
+void HeadFitter::setErrorRoots(HeadFit& fit) const {
+  const Eigen::MatrixXd& root = joint_.covariance_root;
+  const Eigen::Index m = root.rows() - kHeadColumns;
+  fit.covariance_root_ = root;
+  // Departures are in tolerances: their prior is the unit matrix.
+  fit.root_by_tolerances_ = root * root.topRows(kHeadColumns).transpose();
+  Eigen::MatrixXd by_prior(root.cols(), root.rows());  // Of both priors, in units in which `root` is 1.
+  by_prior.leftCols(kHeadColumns) = root.topRows(kHeadColumns).transpose();
+  if (m > 0) {
+    const Eigen::VectorXd sigmas = sigmasOf(*prior_, *basis_);
+    by_prior.rightCols(m) = root.bottomRows(m).transpose() * sigmas.cwiseInverse().asDiagonal();
+  }
+  fit.root_by_surface_ = root * by_prior.rightCols(m);
+  fit.root_by_marks_ = root * semidefiniteRoot(Eigen::MatrixXd::Identity(root.cols(), root.cols()) -
+                                               by_prior * by_prior.transpose());
+  for (Eigen::MatrixXd* all :
+       {&fit.covariance_root_, &fit.root_by_marks_, &fit.root_by_tolerances_, &fit.root_by_surface_}) {
+    if (fit.noise_scaled_) *all *= fit.noise_ratio_;
+    all->topRows(kHeadColumns) = tolerances_.asDiagonal() * all->topRows(kHeadColumns);
+  }
 }
 
 void HeadFitter::setNoiseRatio(HeadFit& fit) const {

@@ -179,7 +179,7 @@ std::string wordsOf(const QuickCheckResult& result) {
   for (const DriftFinding& drift : result.drifts) {
     if (!drift.changed) continue;
     words += fmt::format("{}{} changed by {:+.6f} ± {:.6f}{}", words.empty() ? "" : "; ", nameOf(drift.which),
-                         drift.value, drift.sigma, unitOf(drift.which));
+                         drift.value, 2.0 * drift.sigma, unitOf(drift.which));
   }
   if (result.unexplained) words += (words.empty() ? "" : "; ") + std::string("something else changed too");
   if (words.empty()) words = result.holds ? "the correction holds" : "the marks contradict each other";

@@ -46,7 +46,7 @@ struct QuickCheckResult {
   bool unexplained{};
   double worst_mm{};       ///< Largest deviation of a mark from where it should be.
   std::size_t rejected{};  ///< Marks that fit to none.
-  /// "gain of x changed by +0.00021 ± 0.00003; …" or "holds".
+  /// "gain of x changed by +0.00021 ± 0.00006; …", U with k = 2; or "the correction holds".
   std::string words;
 };
 

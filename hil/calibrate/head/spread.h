@@ -22,6 +22,11 @@ inline double distance2(const Eigen::Vector2d& d, const Eigen::Matrix2d& covaria
 /// Value that chi-square of two degrees of freedom exceeds with this chance.
 inline double chiSquare2Above(double chance) { return -2.0 * std::log(chance); }
 
+/// Share of places beyond the ellipse that is stated to hold 95 % of them.
+inline constexpr double kBeyondEllipse = 0.05;
+/// 1 % of a normal variable lie beyond.
+inline constexpr double kChanceAsNormal = 2.326;
+
 /// Median of chi-square of two degrees of freedom.
 inline constexpr double kMedianChiSquare2 = 1.3862943611198906;
 

@@ -14,9 +14,6 @@
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kBeyondEllipse = 0.05;
-constexpr double kChanceAsNormal = 2.326;  // 1 % of a normal variable lie beyond.
-
 /// In units of what is stated of each mark: its covariance becomes the unit matrix.
 struct Whitened {
   Eigen::MatrixXd common;  ///< Two rows for each mark, a column for each error that marks have in common.
