@@ -82,7 +82,7 @@ void AtomicFile::giveName() {
     temporary_.emplace(hiddenBeside(path_, process + std::to_string(fd_.get()) + "-" + std::to_string(n)));
     if (::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, temporary_->path().c_str(), AT_SYMLINK_FOLLOW) == 0) return;
     const int error = errno;
-    temporary_->becomes({});  // It is somebody else's.
+    temporary_->becomes({});  // The name is somebody else's.
     errno = error;
     if (error != EEXIST) fail("cannot name the file beside", path_);
   }

@@ -30,7 +30,7 @@ void SpawnSetup::setSignals(bool leads_group) {
 
 std::vector<std::string> endingWithParent(std::vector<std::string> command) {
   constexpr const char* kSetpriv = "/usr/bin/setpriv";
-  // Of a program that is not there posix_spawn() says so itself.
+  // posix_spawn() itself tells of a program that is not there.
   if (::access(kSetpriv, X_OK) == 0 && ::access(command.front().c_str(), X_OK) == 0)
     command.insert(command.begin(), {kSetpriv, "--pdeathsig", "KILL", "--"});
   return command;

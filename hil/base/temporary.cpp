@@ -90,7 +90,7 @@ TemporaryPath::TemporaryPath(fs::path path) : path_(std::move(path)) {
 }
 
 TemporaryPath::~TemporaryPath() {
-  removeAll(path_);  // And only then it is forgotten: the process may be ended in between.
+  removeAll(path_);  // Before the path is forgotten: the process may be ended in between.
   const std::scoped_lock guard(all().mutex);
   std::erase(all().paths, this);
 }

@@ -70,7 +70,7 @@ void ChildProcess::kill() {
   if (pid_ > 0) ::kill(-pid_, SIGKILL);
 }
 
-// It is not reaped, so that its number still stands for its group.
+// The child is not reaped, so that its number still stands for its group.
 bool ChildProcess::hasEnded() const {
   siginfo_t info{};
   const int failed = ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT);
@@ -82,7 +82,7 @@ std::string ChildProcess::finish(std::chrono::milliseconds patience) {
   const auto deadline = Clock::now() + patience;
   while (pid_ > 0) {
     if (hasEnded() || Clock::now() >= deadline) {
-      kill();  // And what it has left behind.
+      kill();  // Reaches what the child has left behind as well.
       while (::waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
       }
       pid_ = -1;

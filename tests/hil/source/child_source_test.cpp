@@ -110,7 +110,7 @@ TEST(ChildSource, WhatAChildHasStartedEndsWithIt) {
   const auto source = openChild(misbehaving("leaves-children"));
   const pid_t group = source->info().process;
   Batch batch;
-  EXPECT_EQ(source->advance(100, batch), Stop::kHung);  // Its pipe is still open.
+  EXPECT_EQ(source->advance(100, batch), Stop::kHung);  // The pipe of its replies is still open.
   int status = 0;
   ASSERT_GT(::waitpid(-group, &status, 0), 0);  // An orphan is the subreaper's.
   EXPECT_TRUE(WIFSIGNALED(status));
