@@ -249,6 +249,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
   addVerify(app, program, actions);
   addCampaign(app, program, actions);
   addHistory(app, program, actions);
+  addTrace(app, program, actions);
   addMotion(app, program, actions);
   addDiagnose(app, actions);
   addFold(app, program, actions);

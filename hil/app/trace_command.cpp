@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/trace_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "hil/base/console.h"
+#include "hil/base/exit_codes.h"
+#include "hil/base/input_error.h"
+#include "hil/trace/trace_file.h"
+
+namespace kerfbench::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+void sayFault(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
+void sayLine(const std::string& line) { std::fputs((line + "\n").c_str(), stdout); }
+
+/// What the file itself is to blame for becomes its exit code.
+template <class Work>
+int onTrace(const fs::path& file, Work work) {
+  try {
+    return work();
+  } catch (const trace::McapError& e) {
+    sayFault(fmt::format("trace: {}", e.what()));
+  } catch (const base::InputError& e) {
+    sayFault(fmt::format("trace: {}", e.what()));
+  } catch (const std::system_error& e) {
+    if (fs::exists(file)) throw;
+    sayFault(fmt::format("trace: {}", e.what()));
+  }
+  return base::kExitInput;
+}
+
+void tellInfo(const fs::path& file, const trace::TraceInfo& info) {
+  sayLine(fmt::format("{}: {} bytes, {} chunks, {:.6f} … {:.6f} s, by {}", file.string(), info.bytes,
+                      info.chunks, info.first_s, info.last_s, info.library));
+  for (const auto& [name, values] : info.metadata)
+    for (const auto& [key, value] : values) sayLine(fmt::format("  {}.{}: {}", name, key, value));
+  for (const trace::TraceInfo::TopicCount& topic : info.topics)
+    sayLine(fmt::format("  {:<16} {:>9} messages {:>12} bytes  {}", topic.topic, topic.messages, topic.bytes,
+                        topic.schema));
+  if (!info.attachments.empty()) sayLine(fmt::format("  attachments: {}", fmt::join(info.attachments, ", ")));
+}
+
+int tellCopied(const trace::Copied& copied, const fs::path& out) {
+  for (const std::string& problem : copied.problems) sayFault(fmt::format("left out, {}", problem));
+  sayLine(fmt::format("{}: {} messages", out.string(), copied.messages));
+  return 0;
+}
+
+}  // namespace
+
+int traceInfoCommand(const fs::path& file) {
+  return onTrace(file, [&] {
+    const trace::TraceInfo info = trace::traceInfo(file);
+    tellInfo(file, info);
+    for (const std::string& problem : info.problems) sayLine("  damaged, " + problem);
+    if (info.cut_off_bytes > 0)
+      sayLine(fmt::format("  cut off: its last {} bytes are no whole record", info.cut_off_bytes));
+    if (!info.whole) sayLine("  without its end: the run goes on, or was killed (kerfbench trace recover)");
+    return info.whole && info.problems.empty() ? 0 : 1;
+  });
+}
+
+int traceRecoverCommand(const TraceRecovery& options) {
+  return onTrace(options.file,
+                 [&] { return tellCopied(trace::rewriteTrace(options.file, options.out), options.out); });
+}
+
+int traceClipCommand(const TraceClip& options) {
+  return onTrace(options.file, [&] {
+    const trace::TraceSpan span{std::max(0.0, options.at_s - options.around_s),
+                                options.at_s + options.around_s};
+    const trace::TraceInfo info = trace::traceInfo(options.file);
+    if (span.from_s > info.last_s)
+      throw base::InputError(fmt::format("{} ends at {:.6f} s", options.file.string(), info.last_s));
+    return tellCopied(trace::rewriteTrace(options.file, options.out, span), options.out);
+  });
+}
+
+}  // namespace kerfbench::app
