@@ -32,7 +32,9 @@ const baseName = (path) => path.slice(path.lastIndexOf('/') + 1);
 function fillSelect(select, options, value, hint = '') {
   const option = (/** @type {any} */ o) => h('option', { value: o.value }, o.text);
   const own = options.filter((o) => !o.shipped);
-  const shipped = options.filter((o) => o.shipped);
+  const isFaulty = (/** @type {any} */ o) => baseName(o.value).startsWith('fault-');
+  const shipped = options.filter((o) => o.shipped && !isFaulty(o));
+  const faulty = options.filter((o) => o.shipped && isFaulty(o));
   const known = options.some((o) => o.value === value);
   fill(
     select,
@@ -40,20 +42,20 @@ function fillSelect(select, options, value, hint = '') {
     !known && value !== '' && h('option', { value }, value),
     own.length > 0 && h('optgroup', { label: 'In this folder' }, own.map(option)),
     shipped.length > 0 && h('optgroup', { label: 'Shipped with Kerfbench' }, shipped.map(option)),
+    faulty.length > 0 && h('optgroup', { label: 'Shipped, with a known fault' }, faulty.map(option)),
   );
   select.value = value;
 }
 
-/** @param {{ path: string, name?: string, title?: string }[]} list */
+/** A path as it is told: shipped ones without the folder that all of a kind have. @param {string} path */
+const shortPath = (path) => (S.isShipped(path) ? path.split('/').slice(2).join('/') || baseName(path) : path);
+
+/** @param {{ path: string, title?: string }[]} list */
 const optionsOf = (list) =>
   list.map((f) => ({
     value: f.path,
     shipped: S.isShipped(f.path),
-    text: f.title
-      ? `${baseName(f.path)}: ${f.title}`
-      : S.isShipped(f.path)
-        ? f.path.split('/').slice(2).join('/') || baseName(f.path)
-        : f.path,
+    text: f.title ? `${shortPath(f.path)}: ${f.title}` : shortPath(f.path),
   }));
 
 /** @param {Element} element @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
@@ -258,7 +260,9 @@ function pickRelease(box, store, actions) {
         );
       const options = images.map((i) => ({
         value: i.path,
-        text: i.title ?? `${baseName(i.path)}${i.mcu ? ` (${i.mcu})` : ''}`,
+        text: [i.title ?? shortPath(i.path), i.firmware?.mcu ?? i.mcu]
+          .filter((word) => word && word !== 'native')
+          .join(' · '),
         shipped: S.isShipped(i.path),
       }));
       fillSelect(

@@ -11,6 +11,9 @@ import * as S from './state.js';
 
 /** @typedef {import('./page.js').Store} Store */
 
+/** Rows of the list; a page with more of them no longer answers at once. */
+const kMostRows = 2000;
+
 /** @param {Element} panel @param {Store} store @param {import('./actions.js').Actions} actions */
 export function mountOrder(panel, store, actions) {
   const how = h('span', { id: 'order-how' });
@@ -49,8 +52,9 @@ export function mountOrder(panel, store, actions) {
     'aria-label': 'Order of the cuts',
     'aria-describedby': 'order-how',
   });
+  const more = h('p', { hidden: true });
   panel.append(
-    h('div', { class: 'panel-head' }, how, h('span', { class: 'gap' }), planned, earlier, later, hint, spoken),
+    h('div', { class: 'panel-head' }, how, h('span', { class: 'gap' }), planned, earlier, later, hint, more, spoken),
     list,
   );
   const ids = () => S.orderOf(store.get());
@@ -70,7 +74,14 @@ export function mountOrder(panel, store, actions) {
     (s) => [S.orderOf(s), s.check.value?.drawing, s.selected],
     (s) => {
       const entities = new Map((s.check.value?.drawing?.entities ?? []).map((/** @type {any} */ e) => [e.id, e]));
-      const items = S.orderOf(s).map((id) => ({ id, entity: entities.get(id) }));
+      const chosen = new Set(s.selected);
+      const order = S.orderOf(s);
+      more.hidden = order.length <= kMostRows;
+      say(
+        more,
+        `${order.length - kMostRows} more are not listed. Choose them in the drawing; what is chosen is moved.`,
+      );
+      const items = order.slice(0, kMostRows).map((id) => ({ id, entity: entities.get(id) }));
       const active = s.selected[s.selected.length - 1];
       keyed(
         list,
@@ -84,7 +95,7 @@ export function mountOrder(panel, store, actions) {
           say(row.children[2], `E${id}`);
           say(row.children[3], entity ? `${entity.process} · ${entity.layer}` : '');
           say(row.children[4], entity ? `${entity.length_mm.toFixed(1)} mm` : '');
-          row.setAttribute('aria-selected', String(s.selected.includes(id)));
+          row.setAttribute('aria-selected', String(chosen.has(id)));
           row.classList.toggle('active', id === active);
         },
       );

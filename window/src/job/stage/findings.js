@@ -9,6 +9,9 @@ import { toScreen } from './geometry.js';
 
 /** @typedef {{ number: number, severity: string, message: string, where: [number, number] | null, entities: number[], line: number | null, place: string }} Item */
 
+/** Rows of the list. Who has more than these begins with them. */
+const kMostRows = 300;
+
 /** Everything that is to be listed, in one numbering. @param {S.State} s @returns {Item[]} */
 export function itemsOf(s) {
   const findings = (s.check.value?.drawing?.findings ?? []).filter((/** @type {any} */ f) => !f.accepted);
@@ -76,7 +79,8 @@ export function headOf(s, items) {
 export function mountFindings(element, pins, store, toPlace, painter) {
   const title = h('h2');
   const list = h('ol');
-  const box = h('section', { class: 'findings', 'aria-label': 'Findings' }, title, list);
+  const more = h('p', { hidden: true });
+  const box = h('section', { class: 'findings', 'aria-label': 'Findings' }, title, list, more);
   element.append(box);
   const go = (/** @type {Item} */ item) => {
     store.update((s) => ({
@@ -89,7 +93,7 @@ export function mountFindings(element, pins, store, toPlace, painter) {
   /** @type {Item[]} */
   let items = [];
   const placePins = () => {
-    const shown = items.filter((i) => i.where);
+    const shown = items.slice(0, kMostRows).filter((i) => i.where);
     keyed(
       pins,
       shown,
@@ -122,10 +126,12 @@ export function mountFindings(element, pins, store, toPlace, painter) {
       items = s.job ? itemsOf(s) : [];
       box.hidden = !s.job || !s.check.value?.drawing;
       say(title, headOf(s, items));
+      more.hidden = items.length <= kMostRows;
+      say(more, `${items.length - kMostRows} more are not listed. Mend these first.`);
       title.classList.toggle('good', items.length === 0);
       keyed(
         list,
-        items,
+        items.slice(0, kMostRows),
         (i) => `${i.number} ${i.severity} ${i.message}`,
         (item) =>
           h(

@@ -79,10 +79,26 @@ export function nearestOfCurve(curve, p) {
   return best;
 }
 
+/** @type {WeakMap<Curve, Box | null>} */
+const boxes = new WeakMap();
+/** May a curve be this near to a place? Told by its box, which is kept. @param {Curve} curve @param {Point} p @param {number} within_mm */
+function mayBeNear(curve, [x, y], within_mm) {
+  let box = boxes.get(curve);
+  if (box === undefined) boxes.set(curve, (box = boxOf(curve.points_mm)));
+  return (
+    box !== null &&
+    x >= box.x0 - within_mm &&
+    x <= box.x1 + within_mm &&
+    y >= box.y0 - within_mm &&
+    y <= box.y1 + within_mm
+  );
+}
+
 /** The curve that is nearest to a place, within a distance; null if none. @param {Curve[]} curves @param {Point} p @param {number} within_mm */
 export function hit(curves, p, within_mm) {
   let best = null;
   for (const curve of curves) {
+    if (!mayBeNear(curve, p, within_mm)) continue;
     const { distance } = nearestOfCurve(curve, p);
     if (distance <= within_mm && (!best || distance < best.distance)) best = { id: curve.id, distance };
   }
@@ -117,6 +133,7 @@ export function snapped(curves, p, within_mm) {
   let end = null;
   let line = null;
   for (const curve of curves) {
+    if (!mayBeNear(curve, p, within_mm)) continue;
     const near = nearestOfCurve(curve, p);
     if (near.distance > within_mm) continue;
     if (!line || near.distance < line.distance) line = near;
