@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { bySheet, kindOf, progressOf, sheetWords } from '../src/service/steps.js';
+
+const step = (id, sheet, state) => ({ id, sheet, state, title: id, text: [], files: [], found: [], wrong: [] });
+const steps = {
+  steps: [
+    step('a', '1-grid', 'done'),
+    step('b', '1-grid', 'now'),
+    step('c', '2-check', 'later'),
+    step('d', '', 'later'),
+  ],
+};
+
+test('steps are shown sheet by sheet, in their order', () => {
+  assert.deepEqual(
+    bySheet(steps).map((g) => [sheetWords(g.sheet), g.steps.map((s) => s.id).join('')]),
+    [
+      ['Sheet 1: grid', 'ab'],
+      ['Sheet 2: check', 'c'],
+      ['Then', 'd'],
+    ],
+  );
+});
+
+test('what is to be done now is the first that is', () => {
+  assert.deepEqual([progressOf(steps).done, progressOf(steps).now.id], [1, 'b']);
+  assert.equal(progressOf({ steps: [] }).now, null);
+});
+
+test('a verdict has the colour of what it says', () => {
+  assert.deepEqual(['GOOD', 'HOLDS', 'NOT GOOD', 'DOES NOT HOLD', 'NOT PROVEN', ''].map(kindOf), [
+    'pass',
+    'pass',
+    'fail',
+    'fail',
+    'unproven',
+    'none',
+  ]);
+});
