@@ -70,6 +70,7 @@ const look = EditorView.theme({
 });
 
 const fromOutside = Annotation.define();
+/** @type {import('@codemirror/state').StateEffectType<Marks>} */
 const setMarks = StateEffect.define();
 /** Lines that are marked: chosen ones, the present one, faulty ones. */
 const marks = StateField.define({

@@ -96,7 +96,7 @@ export const plainWords = (help_html) =>
     .replace(/&#39;/g, "'")
     .replace(/&amp;/g, '&');
 
-/** @param {any} value as a field shows it */
+/** @param {any} value @returns {string} as a field shows it */
 export function fieldText(value) {
   if (value === null || value === undefined) return '';
   if (Array.isArray(value)) return value.map(fieldText).join(', ');

@@ -49,7 +49,8 @@ export function parseMarkup(html) {
 /** @param {string} html @param {(href: string) => string} [link] where a link of the reference leads; empty: it becomes text
  * @returns {Node[]} */
 export function markup(html, link = () => '') {
-  const build = (/** @type {Node_} */ node) => {
+  /** @type {(node: Node_) => Node} */
+  const build = (node) => {
     if (typeof node === 'string') return document.createTextNode(node);
     const children = node.children.map(build);
     if (node.tag !== 'a') return h(node.tag, {}, children);

@@ -13,7 +13,7 @@ const kCatch_px = 7;
  * @param {import('./painter.js').Hand} hand @param {(words: string) => void} tell speaks to who does not see the drawing
  */
 export function takeHands(canvas, store, painter, hand, tell) {
-  const curves = () => /** @type {G.Curve[]} */ (entitiesOf(store.get()));
+  const curves = () => entitiesOf(store.get());
   const within = () => kCatch_px / painter.view().scale;
   const placeOf = (/** @type {MouseEvent} */ event) => {
     const r = canvas.getBoundingClientRect();

@@ -24,8 +24,9 @@ function once(make) {
   };
 }
 
-const noEntities = Object.freeze([]);
-/** @param {State} state @returns {readonly import('../state.js').Entity[]} */
+/** @type {import('../state.js').Entity[]} */
+const noEntities = [];
+/** @param {State} state @returns {import('../state.js').Entity[]} */
 export const entitiesOf = (state) => state.check.value?.drawing?.entities ?? noEntities;
 
 /** Motions are made once for each plan, for all views. */
