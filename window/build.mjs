@@ -42,6 +42,36 @@ async function licenceOf(folder) {
   return `${about.name} ${about.version}: ${about.license}\n\n${text.trim()}\n`;
 }
 
+/**
+ * The page that stands alone: everything but the trace itself is in it. Who writes a page puts {{title}} (escaped for HTML),
+ * {{moment_s}} (seconds, or nothing) and {{trace_base64}} into it.
+ * @param {string} made folder that is written
+ * @returns {Promise<Record<string, unknown>>} inputs of esbuild's metafile
+ */
+async function clipPage(made) {
+  const { outputFiles, metafile } = await build({
+    absWorkingDir: here,
+    entryPoints: { clip: 'src/clip.js', style: 'clip.css' },
+    outdir: made,
+    bundle: true,
+    format: 'esm',
+    target: ['chrome110', 'firefox115', 'safari16'],
+    minify: true,
+    legalComments: 'none',
+    metafile: true,
+    write: false,
+    logLevel: 'warning',
+  });
+  const text = (/** @type {string} */ end) => outputFiles.find((file) => file.path.endsWith(end))?.text ?? '';
+  // Within HTML nothing may end the element early.
+  const script = text('clip.js').replaceAll('</script', '<\\/script').replaceAll('<!--', '<\\!--');
+  const page = (await readFile(path.join(here, 'clip.html'), 'utf8'))
+    .replace('{{style}}', () => text('style.css').replaceAll('</style', '<\\/style'))
+    .replace('<script>{{script}}', () => `<script type="module">${script}`);
+  await writeFile(path.join(made, 'clip.html'), page);
+  return metafile.inputs;
+}
+
 /** @param {string} out folder that is written */
 async function bundle(out) {
   const made = `${out}.new`;
@@ -67,7 +97,8 @@ async function bundle(out) {
   for (const name of (await readdir(made)).filter((file) => file.endsWith('.map')))
     await rename(path.join(made, name), path.join(maps, name));
   for (const page of pages) await cp(path.join(here, page), path.join(made, page));
-  const licences = await Promise.all(packagesOf(metafile.inputs).map(licenceOf));
+  const inputs = { ...metafile.inputs, ...(await clipPage(made)) };
+  const licences = await Promise.all(packagesOf(inputs).map(licenceOf));
   await writeFile(path.join(made, 'licences.txt'), licences.join(`\n${'-'.repeat(78)}\n\n`));
   await rm(out, { recursive: true, force: true });
   await rename(made, out);

@@ -10,7 +10,7 @@ import {
 /** @typedef {import('./kinematics.js').Vec3} Vec3 */
 
 const kMost = 12; // Corners of a beam.
-const kLeast_px = 2.2; // Half the width of the ribbon, however far away.
+const kLeast_px = 5; // Half the width of the ribbon, however far away.
 
 const vertexShader = `
 attribute vec3 next;
@@ -48,7 +48,7 @@ export class Beam {
     this.lit = this.#ribbon(new Color(1.0, 0.2, 0.03));
     this.off = this.#ribbon(new Color(0.62, 0.06, 0.05));
     this.off.material.uniforms.strength.value = 0.4;
-    this.off.material.uniforms.least_px.value = 1.1;
+    this.off.material.uniforms.least_px.value = 3;
     this.spot = new Sprite(new SpriteMaterial({ map: glow(), blending: AdditiveBlending, depthTest: false, depthWrite: false, transparent: true }));
     this.lamp = new PointLight(new Color(1, 0.42, 0.12), 0, 0, 2);
     this.group.add(this.lit, this.off, this.spot, this.lamp);

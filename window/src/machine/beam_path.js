@@ -7,8 +7,8 @@ import { applied, poseOfPart, rotated, times } from './kinematics.js';
 /**
  * @typedef {import('./kinematics.js').Vec3} Vec3
  * @typedef {import('./kinematics.js').Pose} Pose
- * @typedef {{at_mm?: Vec3, body?: number | null, direction?: Vec3, mirror?: number, plane?: {at_mm: Vec3, normal: Vec3}}} Corner
- * @typedef {{from: Corner[], waist_radius_mm: number, rayleigh_mm: number, focus_z_mm: number}} Beam
+ * @typedef {{at_mm?: Vec3, body?: number | null, direction?: Vec3, mirror?: number, plane?: {at_mm: Vec3, normal: Vec3}, radius_mm: number}} Corner
+ * @typedef {{from: Corner[], spot_radius_mm: number}} Beam radii are 1/e²
  * @typedef {{body: number | null, pose: number[]}} PlacedPart
  */
 
@@ -57,9 +57,4 @@ function mirrorPlane(part, poses) {
   const rest = poseOfPart(part.pose);
   const pose = part.body === null ? rest : times(poses[part.body], rest);
   return { at_mm: applied(pose, [0, 0, 0]), normal: rotated(pose, [0, 0, 1]) };
-}
-
-/** 1/e² radius of the beam at a distance before its end, along its path, mm. @param {Beam} beam @param {number} distance_mm */
-export function beamRadius_mm(beam, distance_mm) {
-  return beam.waist_radius_mm * Math.hypot(1, (distance_mm - beam.focus_z_mm) / beam.rayleigh_mm);
 }

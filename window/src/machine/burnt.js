@@ -37,6 +37,32 @@ export function segmentsOf(tables) {
   return { starts_s: starts_s.subarray(0, n), ends_s: ends_s.subarray(0, n), points: points.subarray(0, 6 * n) };
 }
 
+/**
+ * Burnt paths as the motion has them, for the time of which the trace does not tell them yet.
+ * @param {Table[]} motion @param {number} from_s @param {number} start_x_mm place of S of unit 0 in W at belt 0
+ * @returns {Table}
+ */
+export function burntFrom(motion, from_s, start_x_mm) {
+  /** @type {{t: number[], x: number[], y: number[], start: number[]}} */
+  const rows = { t: [], x: [], y: [], start: [] };
+  let lit = false;
+  for (const { t_s, columns } of motion) {
+    for (let i = countUpTo(t_s, from_s); i < t_s.length; ++i) {
+      const x = columns.spot_x_mm[i] - start_x_mm - (columns.belt_mm?.[i] ?? 0) - (columns.slip_x_mm?.[i] ?? 0);
+      const y = columns.spot_y_mm[i] - (columns.slip_y_mm?.[i] ?? 0);
+      const burns = columns.lit[i] > 0.5 && Number.isFinite(x + y);
+      if (burns) {
+        rows.t.push(t_s[i]);
+        rows.x.push(x);
+        rows.y.push(y);
+        rows.start.push(lit ? 0 : 1);
+      }
+      lit = burns;
+    }
+  }
+  return { t_s: Float64Array.from(rows.t), columns: { x_mm: Float64Array.from(rows.x), y_mm: Float64Array.from(rows.y), start: Float64Array.from(rows.start) } };
+}
+
 export class Burnt {
   constructor() {
     this.group = new Group();

@@ -5,7 +5,7 @@
 
 import { Box3, BufferGeometry, Color, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, Matrix4, Vector3 } from 'three';
 import { Beam } from './beam.js';
-import { beamCorners, beamRadius_mm } from './beam_path.js';
+import { beamCorners } from './beam_path.js';
 import { Burnt } from './burnt.js';
 import { posesOf } from './kinematics.js';
 import { cornersOf, Parts } from './parts.js';
@@ -41,23 +41,29 @@ export class MachineView {
     this.parts = new Parts(machine.parts);
     this.beam = new Beam();
     this.burnt = new Burnt();
+    this.fresh = new Burnt();
     this.dieline = dielineOf(machine);
     this.web = new Group();
-    this.web.add(this.burnt.group, this.dieline);
+    this.web.add(this.burnt.group, this.fresh.group, this.dieline);
     this.stage.scene.add(this.parts.group, this.beam.group, this.web);
     this.stage.onResize = (width, height, fov) => {
       this.beam.resize(height, fov);
       this.burnt.resize(width, height);
+      this.fresh.resize(width, height);
     };
     this.stage.resize();
     this.look('overall');
   }
 
-  /** @param {number} t_s @param {Record<string, number> | undefined} motion row of the trace's motion @param {Table[]} burnt around it */
-  show(t_s, motion, burnt) {
+  /**
+   * @param {number} t_s @param {Record<string, number> | undefined} motion row of the trace's motion @param {Table[]} burnt around it
+   * @param {Table[]} [fresh] burnt since then, where that is not told yet
+   */
+  show(t_s, motion, burnt, fresh = []) {
     this.t_s = t_s;
     if (motion) this.motion = motion;
     this.burnt.give(burnt);
+    this.fresh.give(fresh);
     this.stage.want();
   }
 
@@ -106,7 +112,7 @@ export class MachineView {
     const web_mm = [machine.web.start_x_mm + (motion.belt_mm ?? 0) + (motion.slip_x_mm ?? 0), motion.slip_y_mm ?? 0];
     this.web.position.set(web_mm[0], web_mm[1], 0);
     this.#showBeam(motion, poses);
-    this.burnt.show(this.t_s, motion.lit > 0.5);
+    for (const lines of [this.burnt, this.fresh]) lines.show(this.t_s, motion.lit > 0.5);
     this.#placeDieline(web_mm[0]);
     if (this.following && Number.isFinite(motion.spot_x_mm))
       this.stage.follow(new Vector3(motion.spot_x_mm, motion.spot_y_mm, motion.spot_z_mm ?? 0));
@@ -120,14 +126,10 @@ export class MachineView {
     const points = [...corners];
     if (atBoard) points.push([motion.spot_x_mm, motion.spot_y_mm, motion.spot_z_mm || 0]);
     else if (direction) points.push(corners[corners.length - 1].map((value, k) => value + 0.5 * this.stage.span_mm * direction[k]));
-    let rest_mm = 0;
-    const radii_mm = points.map(() => 0);
-    for (let i = points.length - 1; i >= 0; --i) {
-      if (i + 1 < points.length) rest_mm += Math.hypot(...points[i].map((value, k) => value - points[i + 1][k]));
-      radii_mm[i] = beamRadius_mm(machine.beam, rest_mm);
-    }
+    const radii_mm = points.map((_, i) => machine.beam.from[i]?.radius_mm ?? machine.beam.spot_radius_mm);
     const share = (motion.power_w ?? 0) / machine.laser.full_power_w;
-    this.beam.show(points, radii_mm, { on: motion.lit > 0.5, share, atBoard, size_mm: 0.05 * this.#eye_mm(points) });
+    this.parts.glow(motion.lit > 0.5 ? share : 0);
+    this.beam.show(points, radii_mm, { on: motion.lit > 0.5, share, atBoard, size_mm: 0.036 * this.#eye_mm(points) });
   }
 
   /** Distance of the eye from the end of the beam: the glow keeps its size in the picture. @param {number[][]} points */

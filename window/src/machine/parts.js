@@ -3,7 +3,7 @@
 // The machine's parts as objects of three.js, moved by the displacements of their bodies.
 
 import {
-  Box3, BoxGeometry, BufferGeometry, ConeGeometry, CylinderGeometry, Group, InstancedMesh, LatheGeometry, Matrix4, Mesh, Plane, Vector2,
+  Box3, BoxGeometry, BufferGeometry, ConeGeometry, CylinderGeometry, Group, InstancedMesh, LatheGeometry, Matrix4, Mesh, MeshBasicMaterial, Plane, Vector2,
   Vector3,
 } from 'three';
 import { RoundedBoxGeometry } from 'three/addons/geometries/RoundedBoxGeometry.js';
@@ -145,6 +145,7 @@ export class Parts {
     this.group = new Group();
     this.views = parts.map((part) => new PartView(part));
     this.group.add(...this.views.map((view) => view.object));
+    this.discharges = this.views.filter(({ part }) => part.material === 'tube' && 'cylinder' in part.shape).map((view) => dischargeIn(view));
   }
 
   /** Corners of the parts that are as long as the machine, with every column 0: what a picture of the whole shows. @returns {Vector3[]} */
@@ -157,10 +158,24 @@ export class Parts {
     for (const view of this.views) view.place(view.part.body === null ? undefined : poses[view.part.body]);
   }
 
+  /** The discharge in the laser's tube. @param {number} share of full power; 0: dark */
+  glow(share) {
+    for (const { material } of this.discharges) material.opacity = share > 0 ? 0.35 + 0.5 * Math.min(1, share) : 0;
+  }
+
   /** Takes away what hangs over a height: the view of the sheet from above. @param {boolean} open @param {number} z_mm */
   openAbove(open, z_mm) {
     for (const view of this.views) view.object.layers.set(open && view.box().min.z > z_mm ? 1 : 0);
   }
+}
+
+/** @param {PartView} tube */
+function dischargeIn({ part, object }) {
+  const { radius_mm, length_mm } = /** @type {{cylinder: {radius_mm: number, length_mm: number}}} */ (part.shape).cylinder;
+  const material = new MeshBasicMaterial({ color: 0xff5c8f, transparent: true, opacity: 0, depthWrite: false });
+  const light = new Mesh(new CylinderGeometry(0.42 * radius_mm, 0.42 * radius_mm, length_mm, kSides).rotateX(Math.PI / 2), material);
+  object.add(light);
+  return light;
 }
 
 /** @param {Box3} box @returns {Vector3[]} */

@@ -4,8 +4,8 @@
 // otherwise. Where a picture takes too long, it becomes coarser until it does not.
 
 import {
-  ACESFilmicToneMapping, Box3, CircleGeometry, Color, DirectionalLight, Fog, HemisphereLight, Mesh, MeshStandardMaterial, PCFShadowMap,
-  PerspectiveCamera, PMREMGenerator, Scene, Vector3, WebGLRenderer,
+  ACESFilmicToneMapping, Box3, CircleGeometry, Color, DirectionalLight, HemisphereLight, Mesh, PCFShadowMap,
+  PerspectiveCamera, PMREMGenerator, Scene, ShadowMaterial, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
@@ -34,7 +34,7 @@ export class Stage {
     this.span_mm = this.box.getSize(new Vector3()).length();
     this.renderer = new WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
     this.renderer.toneMapping = ACESFilmicToneMapping;
-    this.renderer.toneMappingExposure = 1.12;
+    this.renderer.toneMappingExposure = 1.05;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.localClippingEnabled = true;
@@ -56,7 +56,7 @@ export class Stage {
   #light() {
     const rooms = new PMREMGenerator(this.renderer);
     this.scene.environment = rooms.fromScene(new RoomEnvironment(), 0.04).texture;
-    this.scene.environmentIntensity = 0.42;
+    this.scene.environmentIntensity = 0.36;
     this.scene.environmentRotation.x = Math.PI / 2;
     rooms.dispose();
     const middle = this.box.getCenter(new Vector3());
@@ -69,19 +69,17 @@ export class Stage {
     Object.assign(this.key.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.1 * this.span_mm, far: 4 * this.span_mm });
     this.key.shadow.radius = 3;
     this.key.shadow.normalBias = 0.0006 * this.span_mm;
-    this.scene.add(this.key, this.key.target, new HemisphereLight(new Color(0.86, 0.92, 1), new Color(0.5, 0.48, 0.46), 0.7));
-    this.floor = new Mesh(new CircleGeometry(8 * this.span_mm, 64), new MeshStandardMaterial({ roughness: 0.95 }));
+    this.scene.add(this.key, this.key.target, new HemisphereLight(new Color(0.86, 0.92, 1), new Color(0.42, 0.4, 0.38), 0.42));
+    this.floor = new Mesh(new CircleGeometry(8 * this.span_mm, 64), new ShadowMaterial({ opacity: 0.26 }));
     this.floor.position.set(middle.x, middle.y, this.box.min.z);
     this.floor.receiveShadow = true;
     this.scene.add(this.floor);
   }
 
-  /** Colour of the room, which the floor fades into. @param {string} css */
+  /** Colour of the room: the floor is only seen where a shadow falls on it. @param {string} css */
   background(css) {
     const color = new Color(css);
     this.scene.background = color;
-    this.scene.fog = new Fog(color, 2.2 * this.span_mm, 7 * this.span_mm);
-    this.floor.material.color.copy(color);
     this.want();
   }
 

@@ -20,14 +20,14 @@ export function checksPanel({ body, trace, timeline }) {
       if (time_s === null) return;
       timeline.update((state) => aroundMoment(state, time_s));
     };
-    return h('li', { class: 'check' },
-      h('span', { class: `outcome ${toneOf(check.outcome)}` }, check.outcome),
-      h('div', { class: 'check-words' }, h('strong', {}, check.title || check.name), h('span', { class: 'mute' }, ` ${check.name}`), h('p', {}, check.sentence)),
-      h('div', { class: 'check-size' }, h('span', { class: 'number' }, valueWords(check)),
+    return h('li', { class: 'tv-check' },
+      h('div', { class: 'tv-check-words' }, h('span', { class: `outcome ${toneOf(check.outcome)}` }, check.outcome), ' ', h('strong', {}, check.title || check.name),
+        h('span', { class: 'mute' }, ` ${check.name}`), h('p', {}, check.sentence)),
+      h('div', { class: 'tv-check-size' }, h('span', { class: 'number' }, valueWords(check)),
         time_s === null ? h('span', { class: 'mute' }, 'no moment') : h('button', { type: 'button', class: 'jump', on: { click: go } }, `at ${moment(time_s)} s`)));
   });
-  body.append(checks.length ? h('ol', { class: 'checks', tabindex: '0', 'aria-label': 'Checks' }, items)
-    : h('p', { class: 'empty' }, trace.file.complete ? 'This run was not judged.' : 'The trace was cut off before the run was judged.'));
+  body.append(checks.length ? h('ol', { class: 'tv-checks', tabindex: '0', 'aria-label': 'Checks' }, items)
+    : h('p', { class: 'tv-empty' }, trace.file.complete ? 'This run was not judged.' : 'The trace was cut off before the run was judged.'));
   const update = () => checks.forEach((check, i) => mark(items[i], 'aria-current', check.time_s !== null && Math.abs(check.time_s - timeline.get().t_s) < 1e-6 ? 'true' : null));
   update();
   return { close: timeline.subscribe(update) };

@@ -16,12 +16,12 @@ const kEdge_px = 18;
 /** @type {import('../view/panel.js').MakePanel} */
 export function dielinePanel({ body, tools, trace, timeline }) {
   const { machine } = trace;
-  const surface = h('div', { class: 'surface' });
-  const legend = h('div', { class: 'legend' });
-  const reading = h('output', { class: 'reading', 'aria-label': 'Distances at the cursor' });
-  body.append(surface, h('div', { class: 'panel-foot' }, legend, reading));
+  const surface = h('div', { class: 'tv-surface' });
+  const legend = h('div', { class: 'tv-legend' });
+  const reading = h('output', { class: 'tv-reading', 'aria-label': 'Distances at the cursor' });
+  body.append(surface, h('div', { class: 'tv-panel-foot' }, legend, reading));
   for (const [tone, words, why] of [['commanded', 'commanded', 'Where the counted pulses led the beam'], ['true', 'true (model)', 'Where the beam of the model was: no camera saw it'], ['measured', 'measured', 'Where the spot camera saw it']])
-    legend.append(h('span', { class: `key key-${tone}`, title: why }, words));
+    legend.append(h('span', { class: `tv-key tv-key-${tone}`, title: why }, words));
 
   let magnify = 1; // 1: the whole unit; more: around the spot.
   const zoom = h('select', { 'aria-label': 'Magnification', on: { change: () => { magnify = Number(zoom.value); canvas.want(); } } },
@@ -149,7 +149,7 @@ function drawTrails(context, trace, t_s, unit, to, theme) {
 /** Spots that were measured on this unit up to now. @param {CanvasRenderingContext2D} context @param {Trace} trace @param {number} t_s @param {number} unit @param {(p: number[]) => [number, number]} to @param {import('../view/theme.js').Theme} theme */
 function drawMeasured(context, trace, t_s, unit, to, theme) {
   context.fillStyle = theme.measured;
-  context.globalAlpha = 0.55;
+  context.globalAlpha = 0.5;
   for (const { t_s: times, columns } of trace.rows('/spot', t_s - 3, t_s)) {
     const end = countUpTo(times, t_s);
     for (let i = 0; i < end; ++i) {
@@ -157,7 +157,7 @@ function drawMeasured(context, trace, t_s, unit, to, theme) {
       const place = onSheet({ x_mm: columns.x_mm[i], y_mm: columns.y_mm[i], sheet_x_mm: columns.sheet_x_mm[i], sheet_y_mm: columns.sheet_y_mm[i], sheet_rad: columns.sheet_rad[i] });
       if (!place) continue;
       const [x, y] = to(place);
-      context.fillRect(x - 1, y - 1, 2, 2);
+      context.fillRect(x - 0.75, y - 0.75, 1.5, 1.5);
     }
   }
   context.globalAlpha = 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // @ts-check
-// What the spot camera saw last: the windows that were read out of its picture, at their places.
+// What the spot camera saw last: the windows that were read out of its picture, side by side or at their places in it.
 
 import { h, say } from '../shared/dom.js';
 import { timeOfFrame } from '../time/steps.js';
@@ -8,20 +8,24 @@ import { sharpCanvas } from '../view/canvas.js';
 import { duration, quantity } from '../view/format.js';
 
 /**
+ * @typedef {{x_px: number, y_px: number, width_px: number, height_px: number}} Window
  * @typedef {{timestamp: {sec: number, nsec: number}, sequence: number, start_s: number, exposure_s: number, data: string, format: string,
- *   windows: {x_px: number, y_px: number, width_px: number, height_px: number}[], width_px: number, height_px: number}} Frame
+ *   windows: Window[], width_px: number, height_px: number}} Frame one message: a window of a frame
+ * @typedef {{x: number, y: number, scale: number}} Placed place of a window's corner on the canvas, and its enlargement
  */
 
-const kKeep = 40;
-const kTwin_s = 1e-6; // A frame and its measurement have the same time.
+const kKeep = 60;
+const kSame_s = 1e-6;
+const kGap_px = 8;
+const kLabel_px = 15;
 
 /** @type {import('../view/panel.js').MakePanel} */
 export function framesPanel({ body, tools, trace, timeline }) {
-  const surface = h('div', { class: 'surface dark' });
-  const reading = h('output', { class: 'reading', 'aria-label': 'Frame and measured spot' });
-  body.append(surface, h('div', { class: 'panel-foot' }, reading));
+  const surface = h('div', { class: 'tv-surface dark' });
+  const reading = h('output', { class: 'tv-reading', 'aria-label': 'Frame and measured spot' });
+  body.append(surface, h('div', { class: 'tv-panel-foot' }, reading));
   let whole = false;
-  const choice = h('button', { type: 'button', 'aria-pressed': 'false', title: 'The place of the windows in the whole picture', on: { click: () => {
+  const choice = h('button', { type: 'button', 'aria-pressed': 'false', title: 'The windows at their places in the whole picture', on: { click: () => {
     whole = !whole;
     choice.setAttribute('aria-pressed', String(whole));
     canvas.want();
@@ -31,11 +35,13 @@ export function framesPanel({ body, tools, trace, timeline }) {
   /** @type {Frame[]} */
   let shown = [];
   const canvas = sharpCanvas(surface, 'Windows of the spot camera', (context, width, height, theme) => {
-    drawFrame(context, width, height, shown, pictures, whole, theme, spotOf(trace, shown[0]));
+    const places = whole ? inPicture(shown, width, height) : sideBySide(shown, width, height);
+    drawWindows(context, shown, places, pictures, whole);
+    drawSpot(context, shown, places, spotOf(trace, shown[0]), theme.measured);
   });
   const update = () => {
     shown = framesAt(trace, timeline.get().t_s);
-    say(reading, words(trace, shown, timeline.get().t_s));
+    say(reading, wordsOf(trace, shown, timeline.get().t_s));
     canvas.want();
   };
   update();
@@ -43,33 +49,33 @@ export function framesPanel({ body, tools, trace, timeline }) {
   return { shown: () => shown, close: () => { for (const end of stop) end(); canvas.close(); } };
 }
 
-/** Windows of the last frame up to a moment. @param {import('../trace/trace.js').Trace} trace @param {number} t_s @returns {Frame[]} */
+/** Windows of the last frame that had begun by a moment. @param {import('../trace/trace.js').Trace} trace @param {number} t_s @returns {Frame[]} */
 export function framesAt(trace, t_s) {
   const chunks = trace.file.chunksOf('/frames', -Infinity, t_s);
   for (const index of chunks.slice(-2).reverse()) {
     const { start_s, end_s } = trace.file.chunks[index];
-    const frames = /** @type {Frame[]} */ (trace.messages('/frames', start_s, end_s)).filter((frame) => timeOfFrame(frame) <= t_s + kTwin_s);
+    const frames = /** @type {Frame[]} */ (trace.messages('/frames', start_s, end_s)).filter((frame) => timeOfFrame(frame) <= t_s + kSame_s);
     const last = frames[frames.length - 1];
     if (last) return frames.filter((frame) => frame.sequence === last.sequence);
   }
   return [];
 }
 
-/** The measurement of a frame. @param {import('../trace/trace.js').Trace} trace @param {Frame | undefined} frame */
+/** The measurement of a frame: it has the time of the middle of the exposure. @param {import('../trace/trace.js').Trace} trace @param {Frame | undefined} frame */
 function spotOf(trace, frame) {
   if (!frame) return undefined;
-  const t_s = timeOfFrame(frame);
-  const spot = trace.spotAt(t_s + kTwin_s);
-  return spot && Math.abs(spot.t_s - t_s) < frame.exposure_s + kTwin_s ? spot : undefined;
+  const middle_s = frame.start_s + 0.5 * frame.exposure_s;
+  const spot = trace.spotAt(middle_s + kSame_s);
+  return spot && Math.abs(spot.t_s - middle_s) < 2 * kSame_s ? spot : undefined;
 }
 
 /** @param {import('../trace/trace.js').Trace} trace @param {Frame[]} shown @param {number} t_s */
-function words(trace, [frame], t_s) {
-  if (!frame) return trace.file.has('/frames') ? 'No frame up to here.' : 'This trace has no frames.';
+function wordsOf(trace, [frame], t_s) {
+  if (!frame) return trace.file.has('/frames') ? 'No frame was kept up to here.' : 'This trace has no frames.';
   const spot = spotOf(trace, frame);
   const seen = spot && Number.isFinite(spot.x_mm)
-    ? `spot at x ${quantity(spot.x_mm, 3)} y ${quantity(spot.y_mm, 3, 'mm')} ± ${quantity(1000 * spot.sigma_mm, 0, 'µm')}` : 'no spot measured';
-  return `frame ${frame.sequence}, ${duration(Math.max(0, t_s - timeOfFrame(frame)), 3)} before the cursor · exposed ${duration(frame.exposure_s, 3)} · ${seen}`;
+    ? `spot at x ${quantity(spot.x_mm, 3)}, y ${quantity(spot.y_mm, 3, 'mm')} ± ${quantity(1000 * spot.sigma_mm, 0, 'µm')}` : 'no spot measured';
+  return `frame ${frame.sequence}, ${duration(Math.max(0, t_s - frame.start_s), 3)} before the cursor · exposed ${duration(frame.exposure_s, 3)} · ${seen}`;
 }
 
 /** Decoded pictures, the latest ones. */
@@ -96,47 +102,77 @@ class Pictures {
   }
 }
 
-/** @param {CanvasRenderingContext2D} context @param {number} width @param {number} height @param {Frame[]} frames @param {Pictures} pictures
- * @param {boolean} whole @param {import('../view/theme.js').Theme} theme @param {Record<string, number> | undefined} spot */
-function drawFrame(context, width, height, frames, pictures, whole, theme, spot) {
+/** @param {Frame[]} frames @param {number} width @param {number} height @returns {Placed[]} */
+function inPicture(frames, width, height) {
   const [first] = frames;
-  if (!first) return;
-  const windows = frames.flatMap((frame) => frame.windows);
-  const box = whole ? { x: 0, y: 0, w: first.width_px, h: first.height_px } : around(windows);
-  const scale = Math.min((width - 12) / box.w, (height - 12) / box.h);
-  const toX = (/** @type {number} */ x) => width / 2 + scale * (x - box.x - box.w / 2);
-  const toY = (/** @type {number} */ y) => height / 2 + scale * (y - box.y - box.h / 2);
-  context.imageSmoothingEnabled = scale < 1;
-  if (whole) {
-    context.strokeStyle = '#5a6472';
-    context.strokeRect(toX(0), toY(0), scale * box.w, scale * box.h);
+  if (!first) return [];
+  const scale = Math.min((width - 2 * kGap_px) / first.width_px, (height - 2 * kGap_px) / first.height_px);
+  return frames.map(({ windows: [place] }) => ({
+    x: width / 2 + scale * (place.x_px - first.width_px / 2), y: height / 2 + scale * (place.y_px - first.height_px / 2), scale,
+  }));
+}
+
+/**
+ * In rows, as large as they all fit.
+ * @param {Frame[]} frames @param {number} width @param {number} height @returns {Placed[]}
+ */
+export function sideBySide(frames, width, height) {
+  if (!frames.length) return [];
+  const across = Math.max(...frames.map(({ windows: [place] }) => place.width_px));
+  const down = Math.max(...frames.map(({ windows: [place] }) => place.height_px));
+  let best = { columns: 1, scale: 0 };
+  for (let columns = 1; columns <= frames.length; ++columns) {
+    const rows = Math.ceil(frames.length / columns);
+    const scale = Math.min(((width - kGap_px) / columns - kGap_px) / across, ((height - kGap_px) / rows - kGap_px - kLabel_px) / down);
+    if (scale > best.scale) best = { columns, scale };
   }
-  for (const frame of frames) {
-    const [place] = frame.windows;
+  const { columns, scale } = best;
+  const rows = Math.ceil(frames.length / columns);
+  const [cell, row] = [scale * across + kGap_px, scale * down + kGap_px + kLabel_px];
+  const [left, top] = [(width - columns * cell + kGap_px) / 2, (height - rows * row + kGap_px) / 2];
+  return frames.map((_, i) => ({ x: left + (i % columns) * cell, y: top + Math.floor(i / columns) * row, scale }));
+}
+
+/** @param {CanvasRenderingContext2D} context @param {Frame[]} frames @param {Placed[]} places @param {Pictures} pictures @param {boolean} whole */
+function drawWindows(context, frames, places, pictures, whole) {
+  context.font = '11px system-ui, sans-serif';
+  context.textAlign = 'left';
+  context.textBaseline = 'top';
+  if (whole && frames[0]) {
+    const [{ windows: [place], width_px, height_px }] = frames;
+    const { x, y, scale } = places[0];
+    context.strokeStyle = '#4a5462';
+    context.strokeRect(x - scale * place.x_px, y - scale * place.y_px, scale * width_px, scale * height_px);
+  }
+  frames.forEach((frame, i) => {
+    const { x, y, scale } = places[i];
+    const [{ x_px, y_px, width_px, height_px }] = frame.windows;
     const picture = pictures.of(frame);
-    if (!place) continue;
-    if (picture) context.drawImage(picture, toX(place.x_px), toY(place.y_px), scale * picture.width, scale * picture.height);
-    if (whole || frames.length > 1) {
-      context.strokeStyle = '#8d99a8';
-      context.strokeRect(toX(place.x_px) - 0.5, toY(place.y_px) - 0.5, scale * place.width_px + 1, scale * place.height_px + 1);
-    }
-  }
+    context.imageSmoothingEnabled = scale < 1;
+    if (picture) context.drawImage(picture, x, y, scale * picture.width, scale * picture.height);
+    context.strokeStyle = '#4a5462';
+    context.strokeRect(x - 0.5, y - 0.5, scale * width_px + 1, scale * height_px + 1);
+    if (whole) return;
+    context.fillStyle = '#a9b4c2';
+    context.fillText(`${x_px}, ${y_px}`, x, y + scale * height_px + 3);
+  });
+}
+
+/** @param {CanvasRenderingContext2D} context @param {Frame[]} frames @param {Placed[]} places @param {Record<string, number> | undefined} spot @param {string} colour */
+function drawSpot(context, frames, places, spot, colour) {
   if (!spot || !Number.isFinite(spot.x_px)) return;
-  // Pixel (0, 0) has its centre at 0: its edge is half a pixel before.
-  const [x, y] = [toX(spot.x_px + 0.5), toY(spot.y_px + 0.5)];
-  context.strokeStyle = theme.measured;
+  const at = frames.findIndex(({ windows: [place] }) => spot.x_px >= place.x_px - 0.5 && spot.x_px < place.x_px + place.width_px && spot.y_px >= place.y_px - 0.5 && spot.y_px < place.y_px + place.height_px);
+  if (at < 0) return;
+  const [place] = frames[at].windows;
+  // The centre of the pixel (0, 0) is at 0: its edge is half a pixel before.
+  const x = places[at].x + places[at].scale * (spot.x_px + 0.5 - place.x_px);
+  const y = places[at].y + places[at].scale * (spot.y_px + 0.5 - place.y_px);
+  context.strokeStyle = colour;
   context.lineWidth = 1.5;
   context.beginPath();
   for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
     context.moveTo(x + 5 * dx, y + 5 * dy);
-    context.lineTo(x + 13 * dx, y + 13 * dy);
+    context.lineTo(x + 14 * dx, y + 14 * dy);
   }
   context.stroke();
-}
-
-/** @param {Frame['windows']} windows */
-function around(windows) {
-  const x = Math.min(...windows.map((one) => one.x_px));
-  const y = Math.min(...windows.map((one) => one.y_px));
-  return { x, y, w: Math.max(...windows.map((one) => one.x_px + one.width_px)) - x, h: Math.max(...windows.map((one) => one.y_px + one.height_px)) - y };
 }

@@ -12,12 +12,12 @@ export function gcodePanel({ body, tools, trace, timeline }) {
   tools.append(where);
   let current = 0;
   const list = rowsList(body, 'Lines of the program', {
-    make: (/** @type {{text: string, line: number}} */ { text, line }) => h('button', { type: 'button', class: 'row code', on: { click: () => void jump(line) } },
-      h('span', { class: 'line-number' }, line), h('code', {}, text)),
+    make: (/** @type {{text: string, line: number}} */ { text, line }) => h('button', { type: 'button', class: 'tv-row code', on: { click: () => void jump(line) } },
+      h('span', { class: 'tv-line-number' }, line), h('code', {}, text)),
     update: (element, { line }) => mark(element, 'aria-current', line === current ? 'true' : null),
   });
   list.give(trace.machine.gcode.map((text, i) => ({ text, line: i + 1 })));
-  if (!trace.machine.gcode.length) body.append(h('p', { class: 'empty' }, 'This trace has no program.'));
+  if (!trace.machine.gcode.length) body.append(h('p', { class: 'tv-empty' }, 'This trace has no program.'));
 
   async function jump(/** @type {number} */ line) {
     const { t_s } = timeline.get();

@@ -13,8 +13,8 @@ const kAround = 8;
  * @param {{make: (item: T) => HTMLElement, update: (element: HTMLElement, item: T, index: number) => void}} row
  */
 export function rowsList(parent, label, { make, update }) {
-  const inner = h('div', { class: 'rows-inner', role: 'list', 'aria-label': label });
-  const outer = h('div', { class: 'rows', tabindex: '0', role: 'group', 'aria-label': label }, inner);
+  const inner = h('div', { class: 'tv-rows-inner', role: 'list', 'aria-label': label });
+  const outer = h('div', { class: 'tv-rows', tabindex: '0', role: 'group', 'aria-label': label }, inner);
   parent.append(outer);
   /** @type {T[]} */
   let items = [];
@@ -29,8 +29,18 @@ export function rowsList(parent, label, { make, update }) {
       return element;
     }, (element, index) => update(element, items[index], index));
   };
+  /** A row that was to be seen while the list was hidden. @type {number | undefined} */
+  let owed;
+  const reveal = (/** @type {number} */ index) => {
+    owed = outer.clientHeight ? undefined : index;
+    const top = index * kRow_px;
+    if (top < outer.scrollTop || top + kRow_px > outer.scrollTop + outer.clientHeight) outer.scrollTop = top - 0.4 * outer.clientHeight;
+  };
   outer.addEventListener('scroll', draw);
-  const resizing = new ResizeObserver(draw);
+  const resizing = new ResizeObserver(() => {
+    if (owed !== undefined) reveal(owed);
+    draw();
+  });
   resizing.observe(outer);
   return {
     /** @param {T[]} all */
@@ -40,11 +50,8 @@ export function rowsList(parent, label, { make, update }) {
       draw();
     },
     draw,
-    /** Scrolls a row into sight, to the middle if it was not. @param {number} index */
-    reveal(index) {
-      const top = index * kRow_px;
-      if (top < outer.scrollTop || top + kRow_px > outer.scrollTop + outer.clientHeight) outer.scrollTop = top - 0.4 * outer.clientHeight;
-    },
+    /** Scrolls a row into sight, to the middle if it was not. */
+    reveal,
     close: () => resizing.disconnect(),
   };
 }

@@ -19,19 +19,20 @@ export function wordsPanel({ body, tools, trace, timeline }) {
   /** @type {Word | undefined} */
   let current;
   const list = rowsList(body, 'Words of controller and bench', {
-    make: () => h('button', { type: 'button', class: 'row word' }, h('span', { class: 'number mute' }), h('span', { class: 'who' }), h('span', { class: 'said' })),
+    make: () => h('button', { type: 'button', class: 'tv-row word' }, h('span', { class: 'number mute' }), h('span', { class: 'tv-who' }), h('span', { class: 'tv-said' }), h('code', { class: 'mute' })),
     update: (element, /** @type {Word} */ word) => {
-      const [time, who, said] = /** @type {HTMLElement[]} */ ([...element.children]);
+      const [time, who, said, bytes] = /** @type {HTMLElement[]} */ ([...element.children]);
       say(time, moment(timeOfFrame(word)));
       say(who, word.name);
-      say(said, word.message || word.hex || '');
+      say(said, word.message);
+      say(bytes, (word.hex ?? '').replace(/(..)(?=.)/g, '$1 '));
       element.title = word.hex ?? '';
       element.onclick = () => timeline.go(timeOfFrame(word));
       mark(element, 'data-level', word.level >= 4 ? 'error' : word.level === 3 ? 'warning' : word.name);
       mark(element, 'aria-current', word === current ? 'true' : null);
     },
   });
-  const empty = h('p', { class: 'empty', hidden: true }, 'Nobody spoke in this run.');
+  const empty = h('p', { class: 'tv-empty', hidden: true }, 'Nobody spoke in this run.');
   empty.hidden = trace.file.has('/uart');
   body.append(empty);
   const update = () => {

@@ -33,7 +33,7 @@ export function sharpCanvas(element, label, draw) {
       }
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, width, height);
-      theme ??= themeOf(element);
+      theme ??= themeOf();
       draw(context, width, height, theme);
     });
   };

@@ -77,6 +77,6 @@ function keepsKey({ target, key }) {
   if (target.matches('input:not([type=checkbox]), textarea, [contenteditable]')) return true;
   if (target.matches('select')) return key !== ' ' ? /^(Arrow|Page|Home|End|.$)/.test(key) : true;
   if (target.matches('button, a, summary, input')) return key === ' ' || key === 'Enter';
-  if (target.matches('.rows, .checks')) return /^(ArrowUp|ArrowDown|Page)/.test(key);
+  if (target.matches('.tv-rows, .tv-checks')) return /^(ArrowUp|ArrowDown|Page)/.test(key);
   return false;
 }

@@ -25,7 +25,7 @@ async function show(source) {
 /** A place to drop a trace. @param {string} [fault] */
 function offer(fault) {
   const input = h('input', { type: 'file', accept: '.mcap,.part', on: { change: () => input.files?.[0] && void show({ trace: input.files[0], name: input.files[0].name }) } });
-  fill(element, h('div', { class: 'offer' }, h('h1', {}, 'Trace'), fault ? h('p', { class: 'fault', role: 'alert' }, `The trace cannot be shown: ${fault}`) : null,
+  fill(element, h('div', { class: 'tv-offer' }, h('h1', {}, 'Trace'), fault ? h('p', { class: 'fault', role: 'alert' }, `The trace cannot be shown: ${fault}`) : null,
     h('p', {}, 'Drop a trace here (run.mcap of a results folder), or choose one. It stays on this computer.'), h('label', { class: 'file' }, 'Trace ', input)));
 }
 

@@ -18,7 +18,7 @@ import { Viewer } from './viewer.js';
  * @returns {Promise<Viewer>} @throws {Error} that says why it cannot be shown
  */
 export async function mountViewer(element, { trace, name, t_s }) {
-  fill(element, h('p', { class: 'opening', role: 'status' }, 'Opening the trace …'));
+  fill(element, h('p', { class: 'tv-opening', role: 'status' }, 'Opening the trace …'));
   const opened = await Trace.open(readableOf(trace));
   const title = name ?? (typeof trace === 'string' ? trace : '');
   const viewer = new Viewer(element, opened, { t_s, name: title });

@@ -16,11 +16,11 @@ import { h } from '../shared/dom.js';
  * @returns {{element: HTMLElement, body: HTMLElement, tools: HTMLElement}}
  */
 export function panelFrame(name, title, hide) {
-  const body = h('div', { class: 'panel-body' });
-  const tools = h('div', { class: 'panel-tools' });
+  const body = h('div', { class: 'tv-panel-body' });
+  const tools = h('div', { class: 'tv-panel-tools' });
   const id = `panel-${name}`;
-  const element = h('section', { class: `panel panel-${name}`, 'aria-labelledby': id },
-    h('header', { class: 'panel-head' }, h('h2', { id }, title), tools,
+  const element = h('section', { class: `tv-panel tv-panel-${name}`, 'aria-labelledby': id },
+    h('header', { class: 'tv-panel-head' }, h('h2', { id }, title), tools,
       h('button', { type: 'button', class: 'quiet', 'aria-label': `Hide ${title}`, title: `Hide ${title}`, on: { click: hide } }, '×')),
     body);
   return { element, body, tools };

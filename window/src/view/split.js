@@ -13,7 +13,7 @@ const kStep = 0.04;
  * @param {'row' | 'column'} direction @param {Pane[]} panes @param {() => void} changed after sizes were changed by hand
  */
 export function split(direction, panes, changed) {
-  const element = h('div', { class: `split split-${direction}` });
+  const element = h('div', { class: `tv-split tv-split-${direction}` });
 
   /** Moves the border of two panes. @param {Pane} before @param {Pane} after @param {number} share of both that the first gets */
   function give(before, after, share) {
@@ -28,7 +28,7 @@ export function split(direction, panes, changed) {
   function bar(before, after) {
     const share = () => before.weight / (before.weight + after.weight);
     const separator = h('div', {
-      class: 'bar', role: 'separator', tabindex: '0', 'aria-orientation': direction === 'row' ? 'vertical' : 'horizontal',
+      class: 'tv-bar', role: 'separator', tabindex: '0', 'aria-orientation': direction === 'row' ? 'vertical' : 'horizontal',
       'aria-label': `Border between ${before.title} and ${after.title}`, 'aria-valuemin': 8, 'aria-valuemax': 92,
     });
     const tell = () => mark(separator, 'aria-valuenow', Math.round(100 * share()));
@@ -56,7 +56,7 @@ export function split(direction, panes, changed) {
   }
 
   function weigh() {
-    for (const pane of panes) pane.element.style.flex = `${pane.weight} 1 0`;
+    for (const pane of panes) pane.element.style.flex = `${100 * pane.weight} 1 0`;
   }
 
   function lay() {

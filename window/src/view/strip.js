@@ -16,7 +16,7 @@ export function strip(trace, timeline) {
   const { extent } = timeline.get();
   const length = extent.to - extent.from || 1;
   const element = h('div', {
-    class: 'strip', role: 'slider', tabindex: '0', 'aria-label': 'Time', 'aria-valuemin': extent.from, 'aria-valuemax': extent.to,
+    class: 'tv-strip', role: 'slider', tabindex: '0', 'aria-label': 'Time', 'aria-valuemin': extent.from, 'aria-valuemax': extent.to,
   });
   const timeAt = (/** @type {PointerEvent} */ event) => {
     const box = element.getBoundingClientRect();

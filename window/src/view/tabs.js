@@ -12,14 +12,14 @@ export function tabs(label, pages) {
   const buttons = pages.map(({ name, title }) => h('button', {
     type: 'button', role: 'tab', id: `tab-${name}`, 'aria-controls': `page-${name}`, on: { click: () => show(name) },
   }, title));
-  const tools = h('div', { class: 'panel-tools' }, pages.map((page) => page.tools));
+  const tools = h('div', { class: 'tv-panel-tools' }, pages.map((page) => page.tools));
   const bodies = pages.map(({ name, body }) => {
     body.id = `page-${name}`;
     body.setAttribute('role', 'tabpanel');
     body.setAttribute('aria-labelledby', `tab-${name}`);
     return body;
   });
-  const list = h('div', { role: 'tablist', class: 'tabs', 'aria-label': label }, buttons);
+  const list = h('div', { role: 'tablist', class: 'tv-tabs', 'aria-label': label }, buttons);
   list.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!by) return;
@@ -39,5 +39,5 @@ export function tabs(label, pages) {
     });
   }
   show(pages[0].name);
-  return { element: h('section', { class: 'panel panel-tabs', 'aria-label': label }, h('header', { class: 'panel-head' }, list, tools), bodies), show };
+  return { element: h('section', { class: 'tv-panel tv-panel-tabs', 'aria-label': label }, h('header', { class: 'tv-panel-head' }, list, tools), bodies), show };
 }

@@ -6,9 +6,9 @@ const kNames = ['bg', 'fg', 'mute', 'line', 'card', 'acc', 'pass', 'fail', 'np',
 
 /** @typedef {Record<string, string>} Theme */
 
-/** @param {Element} element @returns {Theme} */
-export function themeOf(element) {
-  const style = getComputedStyle(element);
+/** @returns {Theme} */
+export function themeOf() {
+  const style = getComputedStyle(document.documentElement);
   return Object.fromEntries(kNames.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
 }
 

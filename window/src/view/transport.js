@@ -23,7 +23,7 @@ export function transport(trace, timeline) {
     kKinds.map(([value, words]) => h('option', { value }, value === 'period' ? `period, ${duration(period_s)}` : words)));
   const speed = h('select', { 'aria-label': 'Speed', title: 'Simulated time for time (digits 1 to 9)', on: { change: () => timeline.update((state) => ({ ...state, speed: Number(speed.value) })) } },
     kSpeeds.map((value) => h('option', { value: String(value) }, speedWords(value))));
-  const time = h('input', { class: 'time number', 'aria-label': 'Time of the cursor, seconds', spellcheck: 'false', autocomplete: 'off', on: {
+  const time = h('input', { class: 'tv-time number', 'aria-label': 'Time of the cursor, seconds', spellcheck: 'false', autocomplete: 'off', on: {
     change: () => {
       const t_s = Number(time.value.replace(/[\s\u2009]|s$/g, ''));
       if (Number.isFinite(t_s)) timeline.go(t_s);
@@ -31,7 +31,7 @@ export function transport(trace, timeline) {
     },
     focus: () => time.select(),
   } });
-  const marks = h('span', { class: 'marks number', role: 'status', 'aria-label': 'Time between the marks A and B' });
+  const marks = h('span', { class: 'tv-marks number', role: 'status', 'aria-label': 'Time between the marks A and B' });
 
   /** The latest step wins: one that is still looked for when the next is asked for counts from where it will end. */
   let last = Promise.resolve();
@@ -60,11 +60,11 @@ export function transport(trace, timeline) {
     say(marks, a_s !== null && b_s !== null ? `A–B ${duration(Math.abs(b_s - a_s), 7)}` : '');
   }
   tell();
-  const element = h('div', { class: 'transport', role: 'toolbar', 'aria-label': 'Time' },
+  const element = h('div', { class: 'tv-transport', role: 'toolbar', 'aria-label': 'Time' },
     button('⇤', 'To the start (Home)', () => timeline.go(timeline.get().extent.from)),
     button('‹', 'Step back', () => step(kind, -1)), play, button('›', 'Step on', () => step(kind, 1)),
     button('⇥', 'To the end (End)', () => timeline.go(timeline.get().extent.to)),
-    h('label', { class: 'labelled' }, h('span', {}, 'Step'), choice), h('label', { class: 'labelled' }, h('span', {}, 'Speed'), speed), time, marks, note);
+    h('label', { class: 'tv-labelled' }, h('span', {}, 'Step'), choice), h('label', { class: 'tv-labelled' }, h('span', {}, 'Speed'), speed), time, marks, note);
   return { element, step, close: timeline.subscribe(tell) };
 }
 

@@ -72,15 +72,15 @@ export class Viewer {
     this.boxes = Object.fromEntries(Object.keys(kTitles).map((name) => [name, h('input', { type: 'checkbox', checked: this.layout.shown(name), on: {
       change: (/** @type {any} */ event) => this.#show(name, event.target.checked),
     } })]));
-    return h('details', { class: 'menu' }, h('summary', {}, 'Panels'),
-      h('div', { class: 'menu-body' }, Object.entries(kTitles).map(([name, title]) => h('label', {}, this.boxes[name], title))));
+    return h('details', { class: 'tv-menu' }, h('summary', {}, 'Panels'),
+      h('div', { class: 'tv-menu-body' }, Object.entries(kTitles).map(([name, title]) => h('label', {}, this.boxes[name], title))));
   }
 
   #body() {
     this.frames = Object.fromEntries(Object.entries(kTitles).filter(([name]) => name !== 'text')
       .map(([name, title]) => [name, panelFrame(name, title, () => this.#show(name, false))]));
     this.pages = ['checks', 'gcode', 'words'].map((name) => ({
-      name, title: { checks: 'Checks', gcode: 'Program', words: 'Words' }[name] ?? name, body: h('div', { class: 'panel-body' }), tools: h('div'),
+      name, title: { checks: 'Checks', gcode: 'Program', words: 'Words' }[name] ?? name, body: h('div', { class: 'tv-panel-body' }), tools: h('div'),
     }));
     this.tabs = tabs('Checks, program and words', this.pages);
     const element = (/** @type {string} */ name) => (name === 'text' ? this.tabs.element : this.frames[name].element);
@@ -119,7 +119,7 @@ export class Viewer {
     const { trace, timeline } = this;
     const place = (/** @type {{body: HTMLElement, tools: HTMLElement}} */ { body, tools }) => ({ body, tools, trace, timeline });
     this.machine = machinePanel(place(this.frames.machine));
-    this.waveform = new Waveform(this.frames.pins.body, trace, timeline);
+    this.waveform = new Waveform(place(this.frames.pins));
     this.camera = framesPanel(place(this.frames.frames));
     const [checks, gcode, words] = this.pages;
     this.program = gcodePanel(place(gcode));
@@ -149,7 +149,7 @@ function startOf(trace) {
 }
 
 function helpDialog() {
-  const dialog = h('dialog', { class: 'help', 'aria-labelledby': 'keys-title' }, h('h2', { id: 'keys-title' }, 'Keys'),
+  const dialog = h('dialog', { class: 'tv-help', 'aria-labelledby': 'keys-title' }, h('h2', { id: 'keys-title' }, 'Keys'),
     h('dl', {}, kHelp.map(([key, words]) => [h('dt', {}, h('kbd', {}, key)), h('dd', {}, words)])),
     h('p', { class: 'mute' }, 'Waveform: click sets the cursor, dragging moves, the wheel zooms, dragging with Shift sets both marks. Machine: drag to turn, wheel to come nearer, right button to move.'),
     h('button', { type: 'button', class: 'primary', on: { click: () => dialog.close() } }, 'Close'));

@@ -28,6 +28,9 @@ export function rowsOf(machine) {
     .sort((a, b) => a.group - b.group);
 }
 
+/** Whether a pin ever moves in a run. @param {import('../trace/overview.js').OverviewPart[]} parts of the whole run @param {number} id */
+export const moves = (parts, id) => parts.some((part) => part.pins.some((pin) => pin.id === id && pin.edges.some((edges) => edges > 0)));
+
 const kHigh = 0.2; // Shares of a row's height, from its top.
 const kLow = 0.82;
 

@@ -8,31 +8,33 @@ import { sharpCanvas } from '../view/canvas.js';
 import { duration, grouped } from '../view/format.js';
 import { axisOf } from './axis.js';
 import { pulseAt } from './measure.js';
-import { countedEdges, drawCounts, drawEdges, edgesBetween, rowsOf } from './rows.js';
+import { countedEdges, drawCounts, drawEdges, edgesBetween, moves, rowsOf } from './rows.js';
 
 /** @typedef {import('../trace/trace.js').Trace} Trace */
 
 export const kGutter_px = 118;
-const kRight_px = 78;
+export const kRight_px = 94;
 const kAxis_px = 22;
 const kRow_px = 20;
 const kGroup_px = 7;
-const kDetail_s = 10; // Longer spans are shown by the overview.
+export const kDetail_s = 30; // Longer spans are shown by the overview.
 const kLeastTicks = 12; // The shortest span: some ticks.
 const kFont = '11px system-ui, sans-serif';
 
 export class Waveform {
-  /** @param {HTMLElement} element @param {Trace} trace @param {ReturnType<typeof import('../time/timeline.js').createTimeline>} timeline */
-  constructor(element, trace, timeline) {
+  /** @param {import('../view/panel.js').PanelPlace} place */
+  constructor({ body: element, tools, trace, timeline }) {
     this.trace = trace;
     this.timeline = timeline;
-    this.rows = rowsOf(trace.machine);
-    const groups = new Set(this.rows.map((row) => row.group)).size;
-    this.height = kAxis_px + this.rows.length * kRow_px + groups * kGroup_px + 4;
-    this.surface = h('div', { class: 'waveform', tabindex: '0', role: 'group', 'aria-label': 'Pins over time. Plus and minus zoom, A and B set the marks.' });
-    this.surface.style.minHeight = `${this.height}px`;
-    this.pulses = h('div', { class: 'pulses', role: 'status', 'aria-label': 'Pulses at the cursor' });
-    element.append(h('div', { class: 'waveform-scroll' }, this.surface), this.pulses);
+    this.all = rowsOf(trace.machine);
+    const whole = trace.overview.parts(trace.extent_s.from, trace.extent_s.to, 100);
+    this.moving = whole.length ? this.all.filter((row) => moves(whole, row.id)) : this.all;
+    this.rows = this.moving;
+    if (this.moving.length < this.all.length) tools.append(this.#choice());
+    this.surface = h('div', { class: 'tv-waveform', tabindex: '0', role: 'group', 'aria-label': 'Pins over time. Plus and minus zoom, A and B set the marks.' });
+    this.#stretch();
+    this.pulses = h('div', { class: 'tv-pulses', role: 'status', 'aria-label': 'Pulses at the cursor' });
+    element.append(h('div', { class: 'tv-waveform-scroll' }, this.surface), this.pulses);
     this.canvas = sharpCanvas(this.surface, 'Levels of the pins over time', (...args) => this.#draw(...args));
     this.#listen();
     this.stop = [
@@ -46,6 +48,23 @@ export class Waveform {
       }),
     ];
     this.#measure();
+  }
+
+  /** Whether pins that never move are shown too. */
+  #choice() {
+    const still = this.all.length - this.moving.length;
+    const button = h('button', { type: 'button', 'aria-pressed': 'false', title: `${still} pins never move in this run`, on: { click: () => {
+      this.rows = this.rows === this.all ? this.moving : this.all;
+      button.setAttribute('aria-pressed', String(this.rows === this.all));
+      this.#stretch();
+      this.canvas.want();
+    } } }, `Still pins (${still})`);
+    return button;
+  }
+
+  #stretch() {
+    const groups = new Set(this.rows.map((row) => row.group)).size;
+    this.surface.style.minHeight = `${kAxis_px + this.rows.length * kRow_px + groups * kGroup_px + 2}px`;
   }
 
   get least_s() {
@@ -112,9 +131,9 @@ export class Waveform {
       const dir = window.pins.get(drive.dir);
       const times = pul && dir && pulseAt(pul, dir, drive.active_edge === 'rising', t_s * hz);
       if (!times) return null;
-      return h('li', {}, h('b', {}, drive.axis), ' pulse at ', h('span', { class: 'number' }, offset(times.tick / hz - t_s)),
-        told('set-up', times.setup / hz, drive.setup_s), told('hold', times.hold / hz, drive.hold_s),
-        told('width', times.width / hz, drive.width_s), told('idle', times.space / hz, drive.space_s));
+      return h('li', {}, h('b', {}, drive.axis), h('span', {}, 'pulse at ', h('span', { class: 'number' }, offset(times.tick / hz - t_s))),
+        told('set-up', times.setup, times.tick - window.from_tick, drive.setup_s, hz), told('hold', times.hold, window.to_tick - times.tick, drive.hold_s, hz),
+        told('width', times.width, window.to_tick - times.tick, drive.width_s, hz), told('idle', times.space, times.tick - window.from_tick, drive.space_s, hz));
     }) : [];
     fill(this.pulses, items.some(Boolean) ? h('ul', {}, items) : h('span', { class: 'mute' }, 'No pulse within 50 ms of the cursor.'));
   }
@@ -272,10 +291,14 @@ function badge(context, x, y, words, colour, ink) {
 /** @param {number} seconds */
 const offset = (seconds) => (seconds >= 0 ? '+' : '−') + duration(Math.abs(seconds), 5);
 
-/** A measured time beside what the data sheet asks for. @param {string} name @param {number} measured_s @param {number} least_s */
-function told(name, measured_s, least_s) {
-  const good = measured_s >= least_s * (1 - 1e-9);
-  const value = Number.isFinite(measured_s) ? duration(measured_s, 5) : 'long';
-  return h('span', { class: good ? 'told' : 'told short' }, ` ${name} `, h('span', { class: 'number' }, value),
+/**
+ * A measured time beside what the data sheet asks for.
+ * @param {string} name @param {number} ticks measured, Infinity: longer than what was looked at @param {number} seen ticks that were looked at
+ * @param {number} least_s @param {number} hz
+ */
+function told(name, ticks, seen, least_s, hz) {
+  const good = ticks >= least_s * hz * (1 - 1e-9);
+  const value = Number.isFinite(ticks) ? duration(ticks / hz, 5) : `over ${duration(seen / hz, 2)}`;
+  return h('span', { class: good ? 'tv-told' : 'tv-told tv-short' }, `${name} `, h('span', { class: 'number' }, value),
     h('span', { class: 'mute' }, good ? ` ≥ ${duration(least_s)}` : ` below ${duration(least_s)}`));
 }
