@@ -5,7 +5,7 @@
 import { h, fill, say } from './shared/dom.js';
 import { arrived, startClock, ticked } from './live/clock.js';
 import { follow, LiveTrace } from './live/stream.js';
-import { burntFrom } from './machine/burnt.js';
+import { burntFrom } from './machine/burnt_paths.js';
 import { machineTools } from './machine/machine_tools.js';
 import { MachineView } from './machine/machine_view.js';
 import { momentOf } from './trace/rows.js';

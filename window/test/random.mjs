@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Random numbers for tests, the same ones every time.
+
+/** @param {number} seed @returns {() => number} in [0, 1) (Mulberry32) */
+export function numbers(seed) {
+  let state = seed >>> 0;
+  return () => {
+    state = (state + 0x6d2b79f5) >>> 0;
+    let t = state;
+    t = Math.imul(t ^ (t >>> 15), t | 1);
+    t ^= t + Math.imul(t ^ (t >>> 7), t | 61);
+    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+  };
+}
