@@ -42,7 +42,7 @@ void appendInteger(std::string& text, std::int64_t value) {
 
 void appendNumber(std::string& text, double value, int decimals) {
   const double scaled = std::round(value * kPowers.at(static_cast<std::size_t>(decimals)));
-  if (!std::isfinite(scaled)) {
+  if (!std::isfinite(value)) {
     text += "null";
     return;
   }

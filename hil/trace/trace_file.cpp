@@ -84,9 +84,21 @@ class Copier {
         break;
     }
   }
+  /// What holds on from before a part: the line that the head was on.
+  void end() {
+    if (line_before_.empty()) return;
+    to_.add(Topic::kGcode, line_before_ns_, line_before_);
+    ++messages_;
+  }
   [[nodiscard]] std::uint64_t messages() const { return messages_; }
 
  private:
+  void keepIfBefore(Topic topic, const McapMessage& message) {
+    if (topic != Topic::kGcode || seconds(message.log_time_ns) > span_.from_s) return;
+    line_before_ = message.data;
+    line_before_ns_ = message.log_time_ns;
+  }
+
   /// All of it or nothing: what cannot be understood is found before anything is copied.
   void chunk(const std::string& records) {
     struct Taken {
@@ -102,7 +114,7 @@ class Copier {
       if (channel == directory_.channels().end()) throw McapError("a message of an unknown channel");
       const std::optional<Topic> topic = topicNamed(channel->second.topic);
       if (!topic) throw McapError(fmt::format("{} is no topic of kerfbench", channel->second.topic));
-      if (!isWithin(*topic, seconds(message.log_time_ns), span_)) return;
+      if (!isWithin(*topic, seconds(message.log_time_ns), span_)) return keepIfBefore(*topic, message);
       taken.push_back({*topic, message});
     });
     for (const auto& [topic, message] : taken) to_.add(topic, message.log_time_ns, message.data);
@@ -114,6 +126,8 @@ class Copier {
   TraceSpan span_;
   McapDirectory directory_;
   std::uint64_t messages_{};
+  std::string line_before_;
+  std::uint64_t line_before_ns_{};
 };
 
 }  // namespace
@@ -229,6 +243,7 @@ Copied copyMessages(const fs::path& from, TraceFile& to, const TraceSpan& span) 
       copied.problems.push_back(fmt::format("at byte {}: {}", record->offset, e.what()));
     }
   }
+  copier.end();
   copied.messages = copier.messages();
   return copied;
 }

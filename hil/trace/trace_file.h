@@ -78,8 +78,9 @@ struct Copied {
 
 /// Copies the messages of a trace of ours into another: all whole chunks, also of one that was cut off (a run
 /// that was killed, a disk that was full), or those of a part. Chunks are made anew, of about a second;
-/// metadata and attachments go along. Of a part: the machine, the checks, and all messages that hold anything
-/// of it. A chunk that is not sound is left out. @throws std::system_error, McapError if it is no MCAP file.
+/// metadata and attachments go along. Of a part: the machine, the checks, all messages that hold anything of
+/// it, and the line of the program before. A chunk that is not sound is left out. @throws std::system_error,
+/// McapError if it is no MCAP file.
 Copied copyMessages(const std::filesystem::path& from, TraceFile& to, const TraceSpan& span = {});
 /// The metadata "run" of a trace. @throws as copyMessages(), McapError if there is none.
 std::map<std::string, std::string> runMetadata(const std::filesystem::path& path);
