@@ -38,7 +38,7 @@ class FileBody final : public AnswerBody {
   std::optional<std::string> next(const std::function<bool()>&) override {
     if (left_ == 0) return std::nullopt;
     std::string piece = pieceAt(file_.get(), at_, left_);
-    if (piece.empty()) return std::nullopt;  // It became shorter meanwhile; the client sees that.
+    if (piece.empty()) return std::nullopt;  // A file that became shorter meanwhile; the client sees that.
     at_ += piece.size();
     left_ -= piece.size();
     return piece;

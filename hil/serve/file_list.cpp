@@ -62,7 +62,7 @@ enum class YamlKind { kScenario, kMachine, kOther };
 struct YamlFile {
   YamlKind kind{YamlKind::kOther};
   std::string name, title, problem;
-  Json firmware;  ///< Of a scenario that names an image.
+  Json firmware;  ///< Section of a scenario.
 };
 
 /// Keys that only machine files and only scenarios have.
@@ -141,7 +141,7 @@ std::vector<std::string> runFolders(const fs::path& results) {
       if (judge::isRunFolderName(date) && !run.is_symlink(ignored)) found.push_back(name + "/" + date);
     }
   }
-  // By date, the newest first; the names of two scenarios in the order of the alphabet.
+  // Dates, the newest first; then the alphabet.
   std::ranges::sort(found, [](const std::string& a, const std::string& b) {
     const auto date = [](const std::string& path) { return path.substr(path.rfind('/') + 1); };
     return std::pair(date(b), a) < std::pair(date(a), b);

@@ -24,7 +24,7 @@ namespace kerfbench::serve {
 struct DoorLimits {
   std::size_t most_connections{384};       ///< At the door and at work; below the usual 1024 descriptors.
   std::size_t most_at_work{96};            ///< Requests that have a thread each.
-  std::size_t most_strangers{16};          ///< Of these, requests of browsers that have not been let in.
+  std::size_t most_strangers{16};          ///< Requests at work of browsers that have not been let in.
   std::chrono::milliseconds head{10'000};  ///< For all of a head, from its first byte on.
   std::chrono::milliseconds idle{60'000};  ///< Between two requests.
   std::chrono::milliseconds leave{2'000};  ///< For a client that was refused to read the answer.
@@ -94,7 +94,7 @@ class FrontDoor {
   DoorLimits limits_;
   base::UniqueFd listening_;
   base::UniqueFd wake_;
-  std::list<Guest> guests_;  ///< Of the door's thread alone, the one that has waited the longest first.
+  std::list<Guest> guests_;  ///< The longest wait first; the door's thread alone uses it.
 
   std::mutex mutex_;
   std::condition_variable task_there_;

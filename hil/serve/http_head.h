@@ -23,7 +23,7 @@ struct HttpHead {
   std::string path;                            ///< Decoded; begins with '/', has no control character.
   std::map<std::string, std::string> query;    ///< Decoded, each name once.
   std::map<std::string, std::string> headers;  ///< Names in lower case, each once; values as they were sent.
-  std::uint64_t body_bytes{};                  ///< By Content-Length.
+  std::uint64_t body_bytes{};                  ///< Content-Length.
   bool keep_alive{true};
 
   /// nullptr: the header is not there.

@@ -296,7 +296,7 @@ class Runs::Run {
 
   std::string id_;
   RunWish wish_;
-  std::vector<std::string> words_;  ///< Of the command, without the program.
+  std::vector<std::string> words_;  ///< Arguments of the command.
   const WorkFolder& files_;
   std::shared_ptr<EventStream> stream_{std::make_shared<EventStream>()};
   mutable std::mutex mutex_;

@@ -59,9 +59,11 @@ class Runs {
   [[nodiscard]] nlohmann::json of(const std::string& id) const;
   /// SIGINT, and after kGrace_s the end. One that waits does not begin. @throws Refusal 404.
   void stop(const std::string& id);
-  /// Its events: state (as of()), log {"line"}, progress, and what the run itself tells. @throws Refusal 404.
+  /// Events of a run: state (as of()), log {"line"}, progress, and what the run itself tells. @throws Refusal
+  /// 404.
   [[nodiscard]] std::unique_ptr<AnswerBody> events(const std::string& id, std::uint64_t after) const;
-  /// Its trace from a byte on, until it has ended. @throws Refusal 404, also where none is recorded.
+  /// The trace of a run from a byte on, until the run has ended. @throws Refusal 404, also where none is
+  /// recorded.
   [[nodiscard]] std::unique_ptr<AnswerBody> trace(const std::string& id, std::uint64_t from) const;
 
   static constexpr double kGrace_s = 10.0;

@@ -98,6 +98,7 @@ Window::Window(WindowSetup setup, ServerAddress address, std::function<void(cons
       files_(setup_.folder, setup_.shipped),
       list_(files_),
       runs_(files_, setup_.bin_dir / "kerfbench"),
+      desk_(files_, setup_.bin_dir),
       http_([this](const Asked& asked) { return answer(asked); }) {
   if (!fs::exists(setup_.pages / "index.html"))
     throw base::InputError(
@@ -110,6 +111,8 @@ const std::vector<Window::Route>& Window::routes() {
       {"PUT", "/api/files", &Window::putFile},        {"GET", "/api/files/content", &Window::fileContent},
       {"PUT", "/api/scenario", &Window::putScenario}, {"POST", "/api/runs", &Window::addRun},
       {"GET", "/api/runs", &Window::listRuns},        {"GET", "/api/trace", &Window::traceFile},
+      {"GET", "/api/reference", &Window::reference},  {"POST", "/api/check", &Window::check},
+      {"POST", "/api/edit", &Window::edit},           {"GET", "/api/service", &Window::service},
   };
   return kRoutes;
 }
@@ -304,6 +307,12 @@ Answer Window::answerRun(const Asked& asked) {
 Answer Window::traceFile(const Asked& asked) {
   const std::string& name = asked.wanted("path");
   if (!name.ends_with(".mcap")) throw Refusal(415, "The name of a trace ends in '.mcap'.");
+  return fileAnswer(files_.open(name), name, asked.head);
+}
+
+Answer Window::service(const Asked& asked) {
+  // Written whole by `calibrate … --by-hand`, at each call.
+  const std::string name = asked.wanted("path") + "/steps.json";
   return fileAnswer(files_.open(name), name, asked.head);
 }
 

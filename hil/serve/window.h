@@ -10,6 +10,7 @@
 
 #include "hil/serve/access.h"
 #include "hil/serve/answer.h"
+#include "hil/serve/desk_routes.h"
 #include "hil/serve/file_list.h"
 #include "hil/serve/front_door.h"
 #include "hil/serve/http_server.h"
@@ -66,6 +67,10 @@ class Window final : public Host {
   Answer addRun(const Asked& asked);
   Answer listRuns(const Asked& asked);
   Answer traceFile(const Asked& asked);
+  Answer service(const Asked& asked);
+  Answer reference(const Asked& asked) { return desk_.reference(asked); }
+  Answer check(const Asked& asked) { return desk_.check(asked); }
+  Answer edit(const Asked& asked) { return desk_.edit(asked); }
 
   /// An answer that goes on. @throws Refusal 503 if there are kMostStreams already.
   Answer streamed(std::unique_ptr<AnswerBody> body, const std::string& type);
@@ -75,6 +80,7 @@ class Window final : public Host {
   WorkFolder files_;
   FileList list_;
   Runs runs_;
+  DeskRoutes desk_;
   HttpServer http_;
   std::shared_ptr<std::atomic<int>> streams_{std::make_shared<std::atomic<int>>(0)};
 };

@@ -30,7 +30,7 @@ void addServe(CLI::App& app, const cli::CliProgram& program, cli::CliActions& ac
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
   addServerOptions(*command, *options);
-  actions.add(command, options, serveCommand);
+  actions.addStopping(command, [options] { return serveCommand(*options); });
 }
 
 void addView(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
@@ -41,7 +41,7 @@ void addView(CLI::App& app, const cli::CliProgram& program, cli::CliActions& act
   command->add_option("--at", options->at_s, "Moment at which it is opened, simulated seconds")
       ->check(CLI::NonNegativeNumber);
   addServerOptions(*command, options->serve);
-  actions.add(command, [options] { return viewCommand(*options); });
+  actions.addStopping(command, [options] { return viewCommand(*options); });
 }
 
 }  // namespace kerfbench::window

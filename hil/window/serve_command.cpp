@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <ifaddrs.h>
 #include <poll.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/eventfd.h>
 #include <sys/wait.h>
@@ -119,6 +120,7 @@ class SignalWatch {
 int serveAt(const ServeOptions& options, const Opened& opened) {
   // Before any thread is made.
   batch::StopSignals signals;
+  (void)::signal(SIGPIPE, SIG_IGN);  // Whoever reads what is printed may go.
   serve::FrontDoor door({options.address, options.port}, {});
   const serve::ServerAddress address = door.address();
   const std::vector<serve::ServerAddress> reached = reachedAt(address);

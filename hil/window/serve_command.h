@@ -17,7 +17,7 @@ struct ServeOptions {
 };
 
 struct ViewOptions {
-  ServeOptions serve;  ///< Its folder is not looked at.
+  ServeOptions serve;  ///< The folder is not looked at.
   std::filesystem::path trace;
   std::optional<double> at_s;  ///< Simulated; >= 0.
 };

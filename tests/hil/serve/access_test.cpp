@@ -12,8 +12,6 @@
 namespace kerfbench::serve {
 namespace {
 
-constexpr const char* kSession = "/api/session";
-
 class AccessTest : public testing::Test {
  protected:
   [[nodiscard]] std::string origin(const std::string& host) const {
@@ -49,11 +47,11 @@ TEST_F(AccessTest, ATokenLetsOneBrowserInOnce) {
                              testing::HasSubstr("Path=/")));
   Client second = served_.stranger();
   EXPECT_EQ(second.logIn(token).status, 403);
-  EXPECT_EQ(second.get(kSession).status, 401);
+  EXPECT_EQ(second.get(kSessionPath).status, 401);
   // Its successor lets another one in.
   EXPECT_NE(served_.token(), token);
   EXPECT_EQ(second.logIn(served_.token()).status, 303);
-  EXPECT_EQ(second.get(kSession).status, 200);
+  EXPECT_EQ(second.get(kSessionPath).status, 200);
 }
 
 TEST_F(AccessTest, WhoIsInAlreadyMayUseHisOldLink) {
@@ -61,7 +59,7 @@ TEST_F(AccessTest, WhoIsInAlreadyMayUseHisOldLink) {
   Client client = served_.stranger();
   client.logIn(token);
   EXPECT_EQ(client.get("/?token=" + token).status, 303);
-  EXPECT_EQ(client.get(kSession).status, 200);
+  EXPECT_EQ(client.get(kSessionPath).status, 200);
 }
 
 TEST_F(AccessTest, AWrongTokenLetsNobodyIn) {
@@ -81,9 +79,9 @@ TEST_F(AccessTest, AWrongCookieIsNone) {
   const Client client = served_.client();
   for (const std::string& cookie : {std::string("kerfbench-1=x"), client.cookie() + "x",
                                     client.cookie().substr(0, 30), "x" + client.cookie(), std::string("=")})
-    EXPECT_EQ(client.ask({"GET", kSession, "", {{"Cookie", cookie}}}).status, 401) << cookie;
+    EXPECT_EQ(client.ask({"GET", kSessionPath, "", {{"Cookie", cookie}}}).status, 401) << cookie;
   EXPECT_EQ(
-      client.ask({"GET", kSession, "", {{"Cookie", "other=1; " + client.cookie() + "; more=2"}}}).status,
+      client.ask({"GET", kSessionPath, "", {{"Cookie", "other=1; " + client.cookie() + "; more=2"}}}).status,
       200);
 }
 
@@ -91,7 +89,7 @@ TEST_F(AccessTest, AWrongCookieIsNone) {
 TEST_F(AccessTest, AServerOfAnotherNameIsNotThisOne) {
   const Client client = served_.client();
   const auto status = [&](const std::string& host) {
-    return client.ask({"GET", kSession, "", {{"Host", host}}}).status;
+    return client.ask({"GET", kSessionPath, "", {{"Host", host}}}).status;
   };
   const std::string port = std::to_string(served_.port());
   EXPECT_EQ(status("evil.example:" + port), 421);
@@ -108,7 +106,7 @@ TEST_F(AccessTest, AServerOfAnotherNameIsNotThisOne) {
 TEST_F(AccessTest, APageOfAnotherServerAsksNothing) {
   const Client client = served_.client();
   const auto status = [&](const std::string& from) {
-    return client.ask({"GET", kSession, "", {{"Origin", from}}}).status;
+    return client.ask({"GET", kSessionPath, "", {{"Origin", from}}}).status;
   };
   EXPECT_EQ(status("http://evil.example"), 403);
   EXPECT_EQ(status("null"), 403);
@@ -131,7 +129,7 @@ TEST_F(AccessTest, AChangeNeedsItsHeader) {
 
 TEST_F(AccessTest, EveryAnswerTellsTheBrowserToBeStrict) {
   const Client client = served_.client();
-  for (const char* target : {"/", kSession, "/api/nothing", "/window/main.js"}) {
+  for (const char* target : {"/", kSessionPath, "/api/nothing", "/window/main.js"}) {
     const Reply reply = client.get(target);
     EXPECT_EQ(reply.header("x-content-type-options"), "nosniff") << target;
     EXPECT_EQ(reply.header("referrer-policy"), "no-referrer") << target;
@@ -177,7 +175,7 @@ TEST_F(AccessTest, ReportsRunApartAndGetTheirPictures) {
         key, std::string("/results/~/label/run/report.html"),
         std::string("/results/~x/label/run/report.html")})
     EXPECT_THAT(stranger.get(out).status, testing::AnyOf(400, 403, 404, 401)) << out;
-  EXPECT_EQ(stranger.ask({"GET", kSession, "", {{"X-Kerfbench", key}}}).status, 401);
+  EXPECT_EQ(stranger.ask({"GET", kSessionPath, "", {{"X-Kerfbench", key}}}).status, 401);
 }
 
 TEST(RandomWord, IsNeverTheSame) {

@@ -23,6 +23,9 @@ namespace kerfbench::serve {
 /// A net against hangs: no test waits for this long unless it fails.
 inline constexpr int kPatience_ms = 60'000;
 
+/// What anybody who was let in may ask.
+inline constexpr const char* kSessionPath = "/api/session";
+
 /// An answer as a client reads it.
 struct Reply {
   int status{};

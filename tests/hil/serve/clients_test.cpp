@@ -13,12 +13,11 @@
 #include <thread>
 #include <vector>
 
+#include "hil/base/input_error.h"
 #include "tests/hil/serve/served.h"
 
 namespace kerfbench::serve {
 namespace {
-
-constexpr const char* kSession = "/api/session";
 
 /// Bytes of memory that this process has.
 std::size_t residentBytes() {
@@ -34,7 +33,7 @@ TEST(Clients, AHundredAtOnceAreAllAnswered) {
   const Client client = served.client();
   std::vector<std::unique_ptr<RawClient>> clients;
   for (int i = 0; i < 100; ++i) clients.push_back(std::make_unique<RawClient>(served.port()));
-  for (const auto& each : clients) ASSERT_TRUE(each->send(client.text({"GET", kSession, "", {}})));
+  for (const auto& each : clients) ASSERT_TRUE(each->send(client.text({"GET", kSessionPath, "", {}})));
   for (const auto& each : clients) EXPECT_EQ(replyIn(each->readToTheEnd()).status, 200);
 }
 
@@ -46,7 +45,7 @@ TEST(Clients, AHundredStrangersAreAnsweredOrTurnedAway) {
   for (int i = 0; i < 100; ++i) clients.push_back(std::make_unique<RawClient>(served.port()));
   for (const auto& each : clients)
     ASSERT_TRUE(each->send(served.stranger().text({"GET", "/window/main.js", "", {}})));
-  EXPECT_EQ(known.get(kSession).status, 200);
+  EXPECT_EQ(known.get(kSessionPath).status, 200);
   for (const auto& each : clients)
     EXPECT_THAT(replyIn(each->readToTheEnd()).status, testing::AnyOf(200, 503));
 }
@@ -81,7 +80,7 @@ TEST(Clients, SlowOnesKeepNobodyWaiting) {
   const Client client = served.client();
   for (int i = 0; i < 5; ++i) {
     for (const auto& each : slow) ASSERT_TRUE(each->send("."));
-    EXPECT_EQ(client.get(kSession).status, 200);
+    EXPECT_EQ(client.get(kSessionPath).status, 200);
   }
 }
 
@@ -144,7 +143,7 @@ TEST(Clients, AnUploadOfAGigabyteIsRefusedBeforeItComes) {
   for (int i = 0; i < 1024 && is_open; ++i) is_open = raw.send(megabyte);
   EXPECT_LT(residentBytes(), before + (std::size_t{64} << 20U));
   EXPECT_FALSE(std::filesystem::exists(bench.path("work/big.dxf")));
-  EXPECT_EQ(client.get(kSession).status, 200);
+  EXPECT_EQ(client.get(kSessionPath).status, 200);
 }
 
 TEST(Clients, AStrangersUploadIsRefusedBeforeItComes) {

@@ -12,7 +12,7 @@ namespace {
 
 const auto kHere = [] { return false; };
 
-std::string all(EventStream& stream, std::uint64_t after = 0) {
+std::string toldBy(EventStream& stream, std::uint64_t after = 0) {
   stream.end();
   const auto body = eventBody(std::shared_ptr<EventStream>(std::shared_ptr<void>(), &stream), after);
   std::string text;
@@ -26,8 +26,8 @@ TEST(EventStream, TellsAllAndThatItIsAll) {
   EventStream stream;
   stream.add("log", R"({"line":"a"})", false);
   stream.add("state", "{}", true);
-  EXPECT_EQ(all(stream), std::string("id: 1\nevent: log\ndata: {\"line\":\"a\"}\n\n") +
-                             "id: 2\nevent: state\ndata: {}\n\n" + kEnd);
+  EXPECT_EQ(toldBy(stream), std::string("id: 1\nevent: log\ndata: {\"line\":\"a\"}\n\n") +
+                                "id: 2\nevent: state\ndata: {}\n\n" + kEnd);
 }
 
 TEST(EventStream, OfWhatStandsTheLastIsKept) {
@@ -36,7 +36,7 @@ TEST(EventStream, OfWhatStandsTheLastIsKept) {
     stream.add("progress", share, true);
     stream.add("log", share, false);
   }
-  const std::string text = all(stream);
+  const std::string text = toldBy(stream);
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("progress\ndata: 2")));
   EXPECT_THAT(text, testing::HasSubstr("progress\ndata: 3"));
   EXPECT_THAT(text, testing::HasSubstr("log\ndata: 1"));
@@ -45,15 +45,15 @@ TEST(EventStream, OfWhatStandsTheLastIsKept) {
 TEST(EventStream, AClientThatComesAgainIsToldTheRest) {
   EventStream stream;
   for (const char* line : {"1", "2", "3"}) stream.add("log", line, false);
-  EXPECT_EQ(all(stream, 2), std::string("id: 3\nevent: log\ndata: 3\n\n") + kEnd);
-  EXPECT_EQ(all(stream, 99), kEnd);
+  EXPECT_EQ(toldBy(stream, 2), std::string("id: 3\nevent: log\ndata: 3\n\n") + kEnd);
+  EXPECT_EQ(toldBy(stream, 99), kEnd);
 }
 
 TEST(EventStream, KeepsABoundedNumberOfLines) {
   EventStream stream;
   stream.add("state", "first", true);
   for (std::size_t i = 0; i < 3 * EventStream::kMostKept; ++i) stream.add("log", std::to_string(i), false);
-  const std::string text = all(stream);
+  const std::string text = toldBy(stream);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
             static_cast<std::ptrdiff_t>(4 * EventStream::kMostKept + 3));
   EXPECT_THAT(text, testing::HasSubstr("data: first\n"));

@@ -14,11 +14,11 @@
 namespace kerfbench::serve {
 namespace {
 
-const auto kHere = [] { return false; };
+const auto kReads = [] { return false; };
 
-std::string all(AnswerBody& body) {
+std::string contentOf(AnswerBody& body) {
   std::string text;
-  while (const auto piece = body.next(kHere)) text += *piece;
+  while (const auto piece = body.next(kReads)) text += *piece;
   return text;
 }
 
@@ -43,7 +43,7 @@ TEST_F(RangeTest, OneRangeIsAnsweredWithItsBytes) {
                            Case{"bytes=-99", "bytes 0-9/10", "0123456789"}}) {
     Answer answer = answerTo(each.range);
     EXPECT_EQ(answer.status, 206) << each.range;
-    EXPECT_EQ(all(*answer.body), each.bytes) << each.range;
+    EXPECT_EQ(contentOf(*answer.body), each.bytes) << each.range;
     EXPECT_EQ(answer.body_bytes, std::string(each.bytes).size());
     EXPECT_THAT(answer.headers, testing::Contains(testing::Pair("Content-Range", each.content_range)));
   }
@@ -63,7 +63,7 @@ TEST_F(RangeTest, AnythingElseIsAnsweredWithTheWholeFile) {
                             "lines=1-2", "bytes=18446744073709551616-", "bytes=0-18446744073709551616"}) {
     Answer answer = answerTo(range);
     EXPECT_EQ(answer.status, 200) << range;
-    EXPECT_EQ(all(*answer.body), "0123456789") << range;
+    EXPECT_EQ(contentOf(*answer.body), "0123456789") << range;
   }
 }
 
@@ -79,13 +79,13 @@ TEST(GrowingFile, IsFollowedToItsLastByte) {
   };
   const auto open = [&path] { return base::UniqueFd(::open(path.c_str(), O_RDONLY | O_CLOEXEC)); };
   GrowingFileBody body(open, 2, is_finished);
-  EXPECT_EQ(all(body), "etwothree");
+  EXPECT_EQ(contentOf(body), "etwothree");
 }
 
 TEST(GrowingFile, ThatNeverCameIsEmpty) {
   int looks = 0;
   GrowingFileBody body([] { return base::UniqueFd(); }, 0, [&looks] { return ++looks == 3; });
-  EXPECT_EQ(all(body), "");
+  EXPECT_EQ(contentOf(body), "");
   EXPECT_EQ(looks, 3);
 }
 

@@ -111,10 +111,7 @@ TEST_P(ServerProcessTest, ItsRunsEndWithIt) {
   const base::UniqueFd alive(::open(bench_.path("alive").c_str(), O_RDONLY | O_CLOEXEC));
   process.signal(GetParam());
   const int status = process.status();
-  if (GetParam() == SIGKILL)
-    EXPECT_TRUE(WIFSIGNALED(status));
-  else
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
   pollfd poller{alive.get(), POLLIN, 0};
   ASSERT_EQ(::poll(&poller, 1, kPatience_ms), 1) << "a process of the run lives on";
   char byte = 0;
@@ -122,6 +119,28 @@ TEST_P(ServerProcessTest, ItsRunsEndWithIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(ByAnySignal, ServerProcessTest, testing::Values(SIGINT, SIGTERM, SIGHUP));
+
+// The kernel does it: there is nobody left who could.
+TEST_F(ServerProcessTest, ARunEndsWithAServerThatIsKilled) {
+  bench_.write("work/a.yaml", "name: a\n");
+  ASSERT_EQ(::mkfifo(bench_.path("alive").c_str(), 0600), 0);
+  bench_.program("exec 3> ../alive; while :; do read line < ../never; done");
+  ASSERT_EQ(::mkfifo(bench_.path("never").c_str(), 0600), 0);
+  WindowProcess process(bench_, {"serve"});
+  int port = 0;
+  std::string token;
+  process.readLink(port, token);
+  Client client(port);
+  client.logIn(token);
+  ASSERT_EQ(client.post("/api/runs", R"({"scenario":"a.yaml","trace":false})").status, 200);
+  const base::UniqueFd alive(::open(bench_.path("alive").c_str(), O_RDONLY | O_CLOEXEC));
+  process.signal(SIGKILL);
+  EXPECT_TRUE(WIFSIGNALED(process.status()));
+  pollfd poller{alive.get(), POLLIN, 0};
+  ASSERT_EQ(::poll(&poller, 1, kPatience_ms), 1) << "the run lives on";
+  char byte = 0;
+  EXPECT_EQ(::read(alive.get(), &byte, 1), 0);
+}
 
 TEST_F(ServerProcessTest, PrintsALinkForEachBrowser) {
   WindowProcess process(bench_, {"serve"});
