@@ -81,10 +81,16 @@ export function nearestOfCurve(curve, p) {
 
 /** @type {WeakMap<Curve, Box | null>} */
 const boxes = new WeakMap();
-/** May a curve be this near to a place? Told by its box, which is kept. @param {Curve} curve @param {Point} p @param {number} within_mm */
-function mayBeNear(curve, [x, y], within_mm) {
+/** Box of a curve, which is kept. @param {Curve} curve @returns {Box | null} */
+export function boxOfCurve(curve) {
   let box = boxes.get(curve);
   if (box === undefined) boxes.set(curve, (box = boxOf(curve.points_mm)));
+  return box;
+}
+
+/** May a curve be this near to a place? @param {Curve} curve @param {Point} p @param {number} within_mm */
+function mayBeNear(curve, [x, y], within_mm) {
+  const box = boxOfCurve(curve);
   return (
     box !== null &&
     x >= box.x0 - within_mm &&

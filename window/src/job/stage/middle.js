@@ -227,7 +227,8 @@ function factsOf(s) {
       ['Angle', `${m.angle_deg.toFixed(2)}°`],
     ];
   }
-  const chosen = entitiesOf(s).filter((e) => s.selected.includes(e.id));
+  const ids = new Set(s.selected);
+  const chosen = entitiesOf(s).filter((e) => ids.has(e.id));
   if (chosen.length === 0) return [];
   const length = chosen.reduce((sum, e) => sum + e.length_mm, 0);
   if (chosen.length > 1)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paints the drawing, the preview and what is measured onto a canvas. Paths are kept in mm and painted through the view, so that a
-// change of view builds nothing anew.
+// Paints the drawing, the preview and what is measured onto a canvas.
 // @ts-check
 import { momentAt, rampColour, reachAt, shareAt } from '../motion.js';
-import { measured, scaleBar, toScreen } from './geometry.js';
+import { boxOfCurve, measured, scaleBar, toScreen } from './geometry.js';
 
 /** @typedef {import('./geometry.js').View} View */
+/** @typedef {import('./geometry.js').Curve} Curve */
 /** @typedef {import('../motion.js').Motion} Motion */
 
 const kDash = { cut: [], 'half-cut': [9, 3, 2, 3], crease: [7, 4], perforation: [3, 3], ignore: [1, 4] };
@@ -32,71 +32,107 @@ export function coloursOf(element) {
   return Object.fromEntries(kColours.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
 }
 
-/** @param {{ points_mm: [number, number][] }[]} curves */
-export function pathOf(curves) {
-  const path = new Path2D();
-  for (const { points_mm: points } of curves) {
-    points.forEach(([x, y], i) => (i === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
-    if (points.length === 1) path.lineTo(points[0][0], points[0][1]);
-  }
-  return path;
-}
+/** Points nearer than this to the one before are not painted: nobody sees them. */
+const kFinest_px = 0.7;
+/** Curves that are stroked at once. More make a path that takes a rasteriser without a GPU too long. */
+const kBatch = 400;
+/** Points of a drawing above which its lines are no longer dashed: it shows as a texture then anyway. */
+const kMostDashed = 40000;
 
-/** One path for each process. @param {import('../state.js').Entity[]} entities */
-export function pathsByProcess(entities) {
-  const of = new Map();
-  for (const entity of entities) of.set(entity.process, [...(of.get(entity.process) ?? []), entity]);
-  return [...of].map(([process, list]) => ({ process, path: pathOf(list) }));
-}
-
-/** What is travelled with the laser off. @param {Motion} motion */
-export function pathOfJumps(motion) {
-  const path = new Path2D();
-  for (let i = 1; i < motion.n; ++i) {
-    if (motion.lit[i]) continue;
-    if (i === 1 || motion.lit[i - 1]) path.moveTo(motion.x[i - 1], motion.y[i - 1]);
-    path.lineTo(motion.x[i], motion.y[i]);
-  }
-  return path;
-}
-
-/** @param {CanvasRenderingContext2D} g @param {View} view @param {Path2D} path @param {{ colour: string, width: number, dash?: number[] }} look */
-function stroke(g, view, path, { colour, width, dash = [] }) {
-  g.save();
-  g.transform(view.scale, 0, 0, -view.scale, view.dx, view.dy);
-  g.lineWidth = width / view.scale;
-  g.setLineDash(dash.map((d) => d / view.scale));
+/**
+ * Strokes the curves that are in sight, as fine as the screen.
+ * @param {CanvasRenderingContext2D} g @param {View} view @param {Iterable<Curve>} curves
+ * @param {{ colour: string, width: number, dash?: number[] }} look
+ */
+export function strokeCurves(g, view, curves, { colour, width, dash = [] }) {
+  const { width: w, height: h } = g.canvas;
+  g.lineWidth = width;
+  g.setLineDash(dash);
   g.lineCap = dash.length > 0 ? 'butt' : 'round';
   g.lineJoin = 'round';
   g.strokeStyle = colour;
-  g.stroke(path);
-  g.restore();
+  let count = 0;
+  g.beginPath();
+  for (const curve of curves) {
+    const box = boxOfCurve(curve);
+    if (!box) continue;
+    const [x0, y0] = toScreen(view, [box.x0, box.y1]);
+    const [x1, y1] = toScreen(view, [box.x1, box.y0]);
+    if (x1 < -width || y1 < -width || x0 > w + width || y0 > h + width) continue;
+    traceCurve(g, view, curve.points_mm);
+    if (++count % kBatch === 0) {
+      g.stroke();
+      g.beginPath();
+    }
+  }
+  g.stroke();
+  g.setLineDash([]);
+}
+
+/** @param {CanvasRenderingContext2D} g @param {View} view @param {[number, number][]} points */
+function traceCurve(g, view, points) {
+  let [x, y] = toScreen(view, points[0]);
+  g.moveTo(x, y);
+  const last = points.length - 1;
+  for (let i = 1; i <= last; ++i) {
+    const [px, py] = toScreen(view, points[i]);
+    if (i < last && Math.abs(px - x) < kFinest_px && Math.abs(py - y) < kFinest_px) continue;
+    g.lineTo(px, py);
+    x = px;
+    y = py;
+  }
+  if (last === 0) g.lineTo(x, y);
+}
+
+/** Curves by their process. @param {import('../state.js').Entity[]} entities */
+export function byProcess(entities) {
+  /** @type {Map<string, Curve[]>} */
+  const of = new Map();
+  let points = 0;
+  for (const entity of entities) {
+    const list = of.get(entity.process);
+    if (list) list.push(entity);
+    else of.set(entity.process, [entity]);
+    points += entity.points_mm.length;
+  }
+  return { groups: [...of], dashed: points <= kMostDashed };
+}
+
+/** What is travelled with the laser off, as curves. @param {Motion} motion @returns {Curve[]} */
+export function jumpsOf(motion) {
+  /** @type {Curve[]} */
+  const jumps = [];
+  for (let i = 1; i < motion.n; ++i) {
+    if (motion.lit[i]) continue;
+    if (i === 1 || motion.lit[i - 1])
+      jumps.push({ id: jumps.length, closed: false, points_mm: [[motion.x[i - 1], motion.y[i - 1]]] });
+    jumps[jumps.length - 1].points_mm.push([motion.x[i], motion.y[i]]);
+  }
+  return jumps;
 }
 
 /**
  * The sheet before anything runs: origin, lines by process, jumps.
  * @param {CanvasRenderingContext2D} g @param {View} view @param {Record<string, string>} colours
- * @param {{ paths: { process: string, path: Path2D }[], jumps: Path2D | null, faint: boolean }} what
+ * @param {{ drawn: ReturnType<typeof byProcess>, jumps: Curve[] }} what
  */
-export function paintSheet(g, view, colours, { paths, jumps, faint }) {
+export function paintSheet(g, view, colours, { drawn, jumps }) {
   const [x, y] = toScreen(view, [0, 0]);
   g.strokeStyle = colours.line;
   g.lineWidth = 1;
   g.beginPath();
-  g.moveTo(x - 1e4, Math.round(y) + 0.5);
-  g.lineTo(x + 1e4, Math.round(y) + 0.5);
-  g.moveTo(Math.round(x) + 0.5, y - 1e4);
-  g.lineTo(Math.round(x) + 0.5, y + 1e4);
+  g.moveTo(0, Math.round(y) + 0.5);
+  g.lineTo(g.canvas.width, Math.round(y) + 0.5);
+  g.moveTo(Math.round(x) + 0.5, 0);
+  g.lineTo(Math.round(x) + 0.5, g.canvas.height);
   g.stroke();
-  if (jumps) stroke(g, view, jumps, { colour: colours.jump, width: 1, dash: [4, 4] });
-  g.globalAlpha = faint ? 0.55 : 1;
-  for (const { process, path } of paths)
-    stroke(g, view, path, {
+  strokeCurves(g, view, jumps, { colour: colours.jump, width: 1, dash: jumps.length < kBatch ? [4, 4] : [] });
+  for (const [process, curves] of drawn.groups)
+    strokeCurves(g, view, curves, {
       colour: colours[process] ?? colours.ignore,
       width: process === 'ignore' ? 1 : 1.6,
-      dash: /** @type {any} */ (kDash)[process] ?? kDash.ignore,
+      dash: drawn.dashed ? (/** @type {any} */ (kDash)[process] ?? kDash.ignore) : [],
     });
-  g.globalAlpha = 1;
 }
 
 const kSteps = 24;
@@ -109,18 +145,34 @@ export function paintRun(g, view, colours, motion, { from, to, by, jumps }) {
   g.lineCap = g.lineJoin = 'round';
   const kind = (/** @type {number} */ i) =>
     motion.lit[i] ? 1 + Math.min(Math.ceil(kSteps * shareAt(motion, i, by)), kSteps + 1) : 0;
-  for (let i = from; i < to;) {
-    const k = kind(i + 1);
-    g.beginPath();
-    g.moveTo(...toScreen(view, [motion.x[i], motion.y[i]]));
-    while (i < to && kind(i + 1) === k) {
-      ++i;
-      g.lineTo(...toScreen(view, [motion.x[i], motion.y[i]]));
+  const at = (/** @type {number} */ i) => toScreen(view, [motion.x[i], motion.y[i]]);
+  let i = from;
+  let here = at(i);
+  // The next period that is to be seen: one that is a step on the screen away, or switches the laser.
+  const next = () => {
+    let k = i + 1;
+    for (; k < to && motion.lit[k + 1] === motion.lit[i + 1]; ++k) {
+      const [x, y] = at(k);
+      if (Math.abs(x - here[0]) >= kFinest_px || Math.abs(y - here[1]) >= kFinest_px) break;
     }
-    if (k === 0 && !jumps) continue;
-    g.setLineDash(k === 0 ? [4, 4] : []);
-    g.lineWidth = k === 0 ? 1.4 : 3;
-    g.strokeStyle = k === 0 ? colours.jump : k > kSteps + 1 ? colours.fail : rampColour((k - 1) / kSteps);
+    return k;
+  };
+  while (i < to) {
+    let k = next();
+    const colour = kind(k);
+    g.beginPath();
+    g.moveTo(...here);
+    do {
+      i = k;
+      here = at(i);
+      g.lineTo(...here);
+      if (i < to) k = next();
+    } while (i < to && kind(k) === colour);
+    if (colour === 0 && !jumps) continue;
+    g.setLineDash(colour === 0 ? [4, 4] : []);
+    g.lineWidth = colour === 0 ? 1.4 : 3;
+    g.strokeStyle =
+      colour === 0 ? colours.jump : colour > kSteps + 1 ? colours.fail : rampColour((colour - 1) / kSteps);
     g.stroke();
   }
   g.setLineDash([]);
@@ -157,10 +209,10 @@ export function paintBeam(g, view, colours, motion, period) {
   g.stroke();
 }
 
-/** @param {CanvasRenderingContext2D} g @param {View} view @param {Path2D} path @param {Record<string, string>} colours */
-export function paintSelected(g, view, path, colours) {
-  stroke(g, view, path, { colour: colours.stage, width: 6.5 });
-  stroke(g, view, path, { colour: colours.acc, width: 3.6 });
+/** @param {CanvasRenderingContext2D} g @param {View} view @param {Curve[]} curves @param {Record<string, string>} colours */
+export function paintSelected(g, view, curves, colours) {
+  strokeCurves(g, view, curves, { colour: colours.stage, width: 6.5 });
+  strokeCurves(g, view, curves, { colour: colours.acc, width: 3.6 });
 }
 
 /**

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps what is painted in step with the state: paths are built when drawing or plan change, and the way that has been run is kept
-// on a canvas of its own, to which playing only adds.
+// Keeps what is painted in step with the state. The sheet, and the way that has been run, are kept on canvases of their own: playing
+// only adds to the latter, and choosing paints neither anew.
 // @ts-check
 import { makeMotion, reachAt } from '../motion.js';
 import * as P from './paint.js';
@@ -45,12 +45,33 @@ export function motionOf(state) {
   return motion;
 }
 
+/** A canvas of its own for what seldom changes. */
+function createLayer() {
+  const canvas = document.createElement('canvas');
+  /** @type {any[]} */
+  let key = [];
+  return {
+    canvas,
+    g: /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d')),
+    /** Is it to be painted anew, for what it depends on has changed? @param {any[]} next */
+    isFresh(next) {
+      const same = key.length === next.length && key.every((part, i) => part === next[i]);
+      key = next;
+      return !same;
+    },
+    forget() {
+      key = [];
+    },
+  };
+}
+
 /** @param {HTMLCanvasElement} canvas @param {() => State} get @param {Hand} hand */
 export function createPainter(canvas, get, hand) {
-  const run = document.createElement('canvas');
-  const paths = once((entities) => P.pathsByProcess(entities));
+  const run = createLayer();
+  const sheet = createLayer();
+  const drawnOf = once((entities) => P.byProcess(entities));
   const byId = once((entities) => new Map(entities.map((/** @type {any} */ e) => [e.id, e])));
-  const jumps = once((motion) => (motion ? P.pathOfJumps(motion) : null));
+  const jumpsOf = once((motion) => (motion ? P.jumpsOf(motion) : []));
   const box = once((entities) => boxOfCurves(entities));
   let width = 0;
   let height = 0;
@@ -58,7 +79,7 @@ export function createPainter(canvas, get, hand) {
   /** @type {View} */
   let view = { scale: 1, dx: 0, dy: 0 };
   let fits = true;
-  let done = { to: -1, key: /** @type {any[]} */ ([]) };
+  let done = 0;
   /** @type {Record<string, string>} */
   let colours = {};
   /** @type {(() => void)[]} */
@@ -66,16 +87,22 @@ export function createPainter(canvas, get, hand) {
 
   /** @param {State} state @param {any} motion */
   function paintRun(state, motion) {
-    const { colour, jumps: withJumps } = state.stage;
+    const { colour, jumps } = state.stage;
     const to = Math.min(Math.floor(state.period), motion.n - 1);
-    const key = [motion, view, colour, withJumps, colours, width, height];
-    const g = /** @type {CanvasRenderingContext2D} */ (run.getContext('2d'));
-    if (key.some((part, i) => part !== done.key[i]) || to < done.to) {
-      g.clearRect(0, 0, width, height);
-      done = { to: 0, key };
+    if (run.isFresh([motion, view, colour, jumps, colours]) || to < done) {
+      run.g.clearRect(0, 0, width, height);
+      done = 0;
     }
-    P.paintRun(g, view, colours, motion, { from: done.to, to, by: colour, jumps: withJumps });
-    done.to = to;
+    P.paintRun(run.g, view, colours, motion, { from: done, to, by: colour, jumps });
+    done = to;
+  }
+
+  /** @param {State} state @param {any} motion */
+  function paintSheet(state, motion) {
+    const jumps = state.stage.jumps ? jumpsOf(motion) : [];
+    if (!sheet.isFresh([entitiesOf(state), jumps.length && jumps, view, colours])) return;
+    sheet.g.clearRect(0, 0, width, height);
+    P.paintSheet(sheet.g, view, colours, { drawn: drawnOf(entitiesOf(state)), jumps });
   }
 
   function paint() {
@@ -87,18 +114,19 @@ export function createPainter(canvas, get, hand) {
     const g = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
     g.clearRect(0, 0, width, height);
     if (motion) P.paintReach(g, view, colours, motion, state.period);
-    if (entities.length > 0 || motion)
-      P.paintSheet(g, view, colours, {
-        paths: paths(entities),
-        jumps: state.stage.jumps ? jumps(motion) : null,
-        faint: Boolean(motion) && state.period > 0,
-      });
-    if (motion && state.period > 0) {
+    const runs = motion && state.period > 0;
+    if (entities.length > 0 || motion) {
+      paintSheet(state, motion);
+      g.globalAlpha = runs ? 0.55 : 1;
+      g.drawImage(sheet.canvas, 0, 0, width, height);
+      g.globalAlpha = 1;
+    }
+    if (runs) {
       paintRun(state, motion);
-      g.drawImage(run, 0, 0, width, height);
+      g.drawImage(run.canvas, 0, 0, width, height);
     }
     const chosen = state.selected.map((id) => byId(entities).get(id)).filter(Boolean);
-    if (chosen.length > 0) P.paintSelected(g, view, P.pathOf(chosen), colours);
+    if (chosen.length > 0) P.paintSelected(g, view, chosen, colours);
     if (state.stage.numbers) P.paintNumbers(g, view, colours, numbersOf(state, byId(entities)));
     if (motion) P.paintBeam(g, view, colours, motion, state.period);
     paintHand(g, state);
@@ -157,13 +185,13 @@ export function createPainter(canvas, get, hand) {
     resize() {
       const ratio = devicePixelRatio || 1;
       ({ width, height } = canvas.getBoundingClientRect());
-      for (const c of [canvas, run]) {
+      for (const c of [canvas, run.canvas, sheet.canvas]) {
         c.width = Math.max(1, Math.round(width * ratio));
         c.height = Math.max(1, Math.round(height * ratio));
         c.getContext('2d')?.setTransform(ratio, 0, 0, ratio, 0, 0);
       }
-      done.to = -1;
-      done.key = [];
+      run.forget();
+      sheet.forget();
       if (fits) this.fit();
       soon();
     },
