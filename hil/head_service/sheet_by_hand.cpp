@@ -2,8 +2,11 @@
 #include "hil/head_service/sheet_by_hand.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "firmware_under_test/planner/job/target.h"
@@ -14,6 +17,8 @@
 #include "hil/base/version.h"
 #include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/calibrate/tables/csv_table.h"
+#include "hil/head_service/board_print.h"
+#include "hil/head_service/frame_plan.h"
 #include "hil/scenario/case.h"
 
 namespace kerfbench::head_service {
@@ -23,7 +28,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPictures = "pictures";
 constexpr const char* kTileList = "tiles.yaml";
-constexpr double kSvgBorder_mm = 5.0;
 
 /// All files of a folder by name, so that another picture is another digest.
 std::string digestOfFolder(const fs::path& folder) {
@@ -36,35 +40,122 @@ std::string digestOfFolder(const fs::path& folder) {
   return base::sha256(all);
 }
 
+std::string tableWords(const SheetRequest& request) {
+  return request.table.empty() ? "no correction table"
+                               : fmt::format("the correction table {}", request.table.string());
+}
+
+Eigen::Vector2d originUnderHead(const calibrate::MarkJob& job) {
+  return Eigen::Vector2d(0.0, 0.0) - job.p_SW_mm;
+}
+
+std::vector<std::string> cutting(const SheetRequest& request) {
+  const Eigen::Vector2d rulers = rulersOf(request.job), origin = originUnderHead(request.job);
+  return {
+      fmt::format(
+          "Print print.pdf or print.svg at 100 % on a board of at least its size, and measure both rulers: "
+          "{:g} and {:g} mm. The printed marks hold the sheet's frame S.",
+          rulers.x(), rulers.y()),
+      fmt::format(
+          "Lay it under the head, at rest: the origin of S at x = {:g}, y = {:g} mm of the machine, +x the "
+          "way that the belt runs.",
+          origin.x(), origin.y()),
+      fmt::format("Give the controller {}; change nothing else.", tableWords(request)),
+      "Cut marks.dxf: job.gcode, or program.txt as it goes to the reference controller."};
+}
+
+std::vector<std::string> photographing(const SheetRequest& request, const HeadSetup& setup) {
+  return {fmt::format(
+      "Photograph the whole sheet, printed marks included, against the back light with camera {}: the "
+      "pictures that {} names, each where it says that the camera stands.",
+      setup.camera.camera_id, (request.folder / kPictures / kTileList).string())};
+}
+
+/// Three lines for the board itself.
+std::vector<std::string> onTheBoard(const SheetRequest& request) {
+  const Eigen::Vector2d rulers = rulersOf(request.job), origin = originUnderHead(request.job);
+  return {fmt::format("Printed at 100 %: the rulers measure {:g} and {:g} mm.", rulers.x(), rulers.y()),
+          fmt::format("Under the head: origin at x = {:g}, y = {:g} mm of the machine, at rest.", origin.x(),
+                      origin.y()),
+          fmt::format("Cut job.gcode with {}, then photograph or scan all of it.",
+                      request.table.empty() ? "no correction table" : kSheetTable)};
+}
+
+std::vector<std::string> wordsOf(const FolderOfFrames& frames, const fs::path& pictures) {
+  std::vector<std::string> words;
+  if (!frames.none()) {
+    words.push_back(fmt::format("Of the {} pictures that {} names, {} are missing: {}.", frames.named,
+                                (pictures / kTileList).string(), frames.missing.size(),
+                                fmt::join(frames.missing, ", ")));
+  }
+  if (!frames.unnamed.empty()) {
+    words.push_back(fmt::format("There are pictures that {} does not name: {}.",
+                                (pictures / kTileList).string(), fmt::join(frames.unnamed, ", ")));
+  }
+  return words;
+}
+
 }  // namespace
 
 MeasuredSheet SheetByHand::operator()(const SheetOrder& order) const {
-  const calibrate::MarkJob& job = order.job;
-  const std::optional<calibrate::AimGrid>& table = order.table;
-  SheetRequest request{job, 0, results_ / job.name, {}};
+  SheetRequest request{order.job, 0, results_ / order.job.name, {}};
   const fs::path pictures = request.folder / kPictures;
-  fs::create_directories(request.folder);
-  const bool there = fs::exists(pictures / kTileList);
-  const std::string digest = there ? digestOf(job, table, pictures) : "";
-  if (there) {
-    calibrate::writeMarkJob(request.folder / kSheetJob, job);
-    const calibrate::MarkJob as_filed = calibrate::readMarkJob(request.folder / kSheetJob);
-    if (auto measured = readMeasured(request.folder / kSheetMeasured, as_filed, digest)) return *measured;
-    MeasuredSheet sheet = measurePictures(pictures, as_filed, setup_, bench_.threads);
-    sheet.digest = digest;
-    base::writeFileAtomically(request.folder / kSheetMeasured, measuredText(sheet));
+  fs::create_directories(pictures);
+  if (!fs::exists(pictures / kTileList)) {
+    const bool others = !fs::is_empty(pictures);
+    if (others) {
+      // Under their own names they might pass for those of the plan.
+      want(order, std::move(request),
+           {fmt::format("There are pictures in {}, but no {}.", pictures.string(), kTileList)});
+    }
+    base::writeFileAtomically(pictures / kTileList, tilesTemplate(order.job, setup_.camera,
+                                                                  expectedFrames(order.job, setup_.camera)));
+  }
+  const FolderOfFrames frames = framesIn(pictures);
+  if (!frames.whole()) want(order, std::move(request), wordsOf(frames, pictures));
+  try {
+    MeasuredSheet sheet = measured(order, request);
+    steps_->measured(order, sheet);
     return sheet;
+  } catch (const std::runtime_error& error) {
+    steps_->refused(order, error.what());
+    steps_->write();
+    throw;
   }
-  if (table) {
+}
+
+MeasuredSheet SheetByHand::measured(const SheetOrder& order, const SheetRequest& request) const {
+  const fs::path pictures = request.folder / kPictures;
+  calibrate::writeMarkJob(request.folder / kSheetJob, order.job);
+  const calibrate::MarkJob as_filed = calibrate::readMarkJob(request.folder / kSheetJob);
+  const std::string digest = digestOf(order.job, order.table, pictures);
+  if (auto before = readMeasured(request.folder / kSheetMeasured, as_filed, digest)) return *before;
+  MeasuredSheet sheet = measurePictures(pictures, as_filed, setup_, bench_.threads);
+  sheet.digest = digest;
+  base::writeFileAtomically(request.folder / kSheetMeasured, measuredText(sheet));
+  return sheet;
+}
+
+void SheetByHand::want(const SheetOrder& order, SheetRequest request,
+                       const std::vector<std::string>& missing) const {
+  if (order.table) {
     request.table = request.folder / kSheetTable;
-    base::writeFileAtomically(request.table, calibrate::csvTable(*table));
+    base::writeFileAtomically(request.table, calibrate::csvTable(*order.table));
   }
-  writeFiles(request);
-  const std::string text = instructions(request);
+  const std::vector<std::string> cut = cutting(request), photograph = photographing(request, setup_);
+  writeFiles(order, request);
+  std::string text =
+      fmt::format("{}: a sheet is to be cut, {} marks of {:g} mm. Everything is in {}.", order.job.name,
+                  order.job.marks.size(), order.job.size_mm, request.folder.string());
+  int number = 0;
+  for (const auto* steps : {&cut, &photograph}) {
+    for (const std::string& step : *steps) text += fmt::format("\n  {}. {}", ++number, step);
+  }
+  text += fmt::format("\n  {}. Run again: {}", ++number, command_);
   base::writeFileAtomically(request.folder / "NEXT.txt", text + "\n");
-  if (fs::exists(pictures) && !fs::is_empty(pictures))
-    throw SheetWanted(
-        fmt::format("{}\nThere are pictures in {}, but no {}.", text, pictures.string(), kTileList));
+  steps_->wanted(order, cut, photograph, missing);
+  steps_->write();
+  for (const std::string& line : missing) text += "\n" + line;
   throw SheetWanted(text);
 }
 
@@ -76,56 +167,16 @@ std::string SheetByHand::digestOf(const calibrate::MarkJob& job,
                                   digestOfFolder(pictures), base::version(), kMeasuredVersion));
 }
 
-void SheetByHand::writeFiles(const SheetRequest& request) const {
+void SheetByHand::writeFiles(const SheetOrder& order, const SheetRequest& request) const {
   const scenario::Case test_case = sheetCase(setup_, bench_, request);
   planner::MachineParameters machine = scenario::plannerMachine(test_case);
   machine.target = planner::findTarget(test_case.scenario.firmware.image).value_or(planner::Target{});
   const planner::Plan plan = planner::plan(*test_case.dieline, machine, scenario::plannerJob(test_case));
   base::writeFileAtomically(request.folder / "job.gcode", plan.gcode);
   base::writeFileAtomically(request.folder / "program.txt", planner::programText(plan.program));
-  base::writeFileAtomically(request.folder / "print.svg", printSvg(request.job));
-}
-
-std::string SheetByHand::instructions(const SheetRequest& request) const {
-  const std::string folder = request.folder.string();
-  const calibrate::MarkJob& job = request.job;
-  const std::string table = request.table.empty()
-                                ? "no correction table"
-                                : fmt::format("the correction table {}", request.table.string());
-  return fmt::format(
-      "{0}: a sheet is to be cut, {1} marks of {2:g} mm. Everything is in {3}.\n"
-      "  1. Take a board with the printed marks of print.svg (100 %); they hold its frame S.\n"
-      "  2. Lay it under the head, at rest: the origin of S at x = {4:g}, y = {5:g} mm of the machine, axes "
-      "parallel.\n"
-      "  3. Give the controller {6}; change nothing else.\n"
-      "  4. Cut marks.dxf: job.gcode, or program.txt as it goes to the reference controller.\n"
-      "  5. Photograph the whole sheet, printed marks included, against the back light with camera {7}. "
-      "Pictures go\n"
-      "     to {3}/{8}, with {9}, a line for each:\n"
-      "         version: 1\n"
-      "         tiles:\n"
-      "           - {{file: tile-0000.png, p_TV_mm: [-12.5, 40]}}    # where the camera stood on its table\n"
-      "  6. Run again: {10}",
-      job.name, job.marks.size(), job.size_mm, folder, -job.p_SW_mm.x(), -job.p_SW_mm.y() + 0.0, table,
-      setup_.camera.camera_id, kPictures, kTileList, command_);
-}
-
-std::string printSvg(const calibrate::MarkJob& job) {
-  Eigen::AlignedBox2d box;
-  for (const RegistrationMark& mark : job.print) box.extend(mark.p_SM_mm);
-  const Eigen::Vector2d border = Eigen::Vector2d::Constant(kSvgBorder_mm);
-  box = {box.min() - border, box.max() + border};
-  std::string text = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.3f}mm\" height=\"{1:.3f}mm\" viewBox=\"0 0 "
-      "{0:.3f} {1:.3f}\">\n",
-      box.sizes().x(), box.sizes().y());
-  for (const RegistrationMark& mark : job.print) {
-    // y upwards, seen from above, as in S.
-    text +=
-        fmt::format("<circle cx=\"{:.3f}\" cy=\"{:.3f}\" r=\"{:.3f}\"/>\n", mark.p_SM_mm.x() - box.min().x(),
-                    box.max().y() - mark.p_SM_mm.y(), 0.5 * mark.diameter_mm);
-  }
-  return text + "</svg>\n";
+  const PrintPage print = boardPrint(request.job, {order.sheet + 1, onTheBoard(request)});
+  base::writeFileAtomically(request.folder / "print.svg", svgOf(print));
+  base::writeFileAtomically(request.folder / "print.pdf", pdfOf(print));
 }
 
 std::string firmwareOf(const fs::path& name) {

@@ -13,6 +13,7 @@
 #include "hil/head_service/head_on_twin.h"
 #include "hil/head_service/head_procedure.h"
 #include "hil/head_service/head_report.h"
+#include "hil/head_service/service_steps.h"
 #include "hil/head_service/sheet_by_hand.h"
 #include "hil/inspect/verdict/verdict.h"
 #include "hil/instrument/head_exit.h"
@@ -93,6 +94,10 @@ head_service::HeadPlan planOf(const HeadCalibrateOptions& options, const head_se
           .limit_mm = options.limit_mm,
           .date = options.date.empty() ? setup.camera.date : options.date,
           .seed = options.seed};
+}
+
+fs::path tableOf(const HeadCalibrateOptions& options) {
+  return options.out.empty() ? options.results_dir / "correction.csv" : options.out;
 }
 
 /// Rejection flag of each mark, in the order of their numbers; the fit is of this sheet alone.
@@ -220,7 +225,7 @@ int conclude(const head_service::HeadCalibration& result, const head_service::He
              base::Console& console) {
   const head_service::FittedHead& best = result.iterations.at(result.best).head;
   tellParameters(best.fit, console);
-  const fs::path table = options.out.empty() ? options.results_dir / "correction.csv" : options.out;
+  const fs::path table = tableOf(options);
   const head_service::HeadFacts facts = factsOf(result, setup, options, table);
   if (result.good()) base::writeFileAtomically(table, calibrate::csvTable(best.table.grid));
   base::writeFileAtomically(options.results_dir / "head.json", head_service::headJson(result, plan, facts));
@@ -254,9 +259,17 @@ int calibrate(const HeadCalibrateOptions& options) {
   }
   console.say(fmt::format("  marks of {:g} mm over {:g} x {:g} mm", setup.mark_size_mm,
                           setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y()));
+  head_service::ServiceSteps steps({.kind = "calibrate head",
+                                    .machine = setup.name,
+                                    .camera = setup.camera.camera_id,
+                                    .date = plan.date,
+                                    .command = options.command_line,
+                                    .version = base::version()},
+                                   options.results_dir);
+  steps.follow(head_service::stepsAhead());
   const head_service::CutAndMeasure sheets =
       options.by_hand ? head_service::CutAndMeasure(head_service::SheetByHand(
-                            setup, benchOf(options), options.results_dir, options.command_line))
+                            setup, benchOf(options), options.results_dir, options.command_line, steps))
                       : head_service::CutAndMeasure(onTwin(setup, options, console));
   int iterations = 0;
   const head_service::HeadCalibration result =
@@ -264,6 +277,11 @@ int calibrate(const HeadCalibrateOptions& options) {
         tell(iteration, console);
         writeTable(options, ++iterations, iteration);
       });
+  if (options.by_hand) {
+    steps.follow(head_service::stepsAfter(result, plan, besideReport(tableOf(options), options.results_dir)));
+    steps.ended(std::string(result.verdictName()), result.endWords(plan));
+    steps.write();
+  }
   return conclude(result, plan, setup, options, console);
 }
 

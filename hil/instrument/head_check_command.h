@@ -23,6 +23,9 @@ struct HeadCheckOptions {
   std::filesystem::path image;     ///< Release of the controller, for a sheet that is cut by hand.
   std::filesystem::path job;       ///< Job file of a sheet that was cut; empty: the twin cuts, or people.
   std::filesystem::path pictures;  ///< Pictures of that sheet.
+  std::string date;  ///< Day of the check; empty: today, of the twin that of the kerf camera's calibration.
+  double limit_mm{0.010};         ///< Error of the beam towards which drifts are followed.
+  std::filesystem::path history;  ///< Checks so far; empty: checks.jsonl in the results.
   int jobs{1};
   bool quiet{};
   std::filesystem::path bin_dir;
@@ -30,7 +33,8 @@ struct HeadCheckOptions {
 };
 
 /// Nine marks with the table, against the head as it was when it was calibrated: does the correction still
-/// hold, and if not, which of zeros, gains, turn and height of the sheet changed? Writes check.json. Returns
+/// hold, and if not, which of zeros, gains, turn and height of the sheet changed? Adds the check to the
+/// history, and writes check.json and check.html, which shows the trend over all checks. Returns
 /// 0 if it holds, 1 if not; 3 for marks or pictures that cannot be trusted; base::kExitInput; by hand
 /// base::kExitWaiting until there are pictures.
 int checkHeadCommand(const HeadCheckOptions& options);

@@ -85,6 +85,15 @@ void addCheck(CLI::App& calibrate, const cli::CliProgram& program, cli::CliActio
   check->add_option("--cut-with", o.table,
                     "Table that the controller uses; otherwise the machine file's, or the calibration's");
   addTwin(*check, o);
+  check->add_option(
+      "--date", o.date,
+      "Day of the check, like 2026-11-21; otherwise today, on the twin that of the kerf camera's "
+      "calibration");
+  check->add_option("--limit-mm", o.limit_mm, "Error of the beam towards which drifts are followed")
+      ->check(CLI::Range(1e-4, 10.0))
+      ->capture_default_str();
+  check->add_option("--history", o.history,
+                    "Checks so far, to which this one is added; otherwise checks.jsonl in the results");
   check->add_flag("--keep-pictures", o.keep_pictures, "Keep the pictures beside the job");
   CLI::Option* by_hand =
       check->add_flag("--by-hand", o.by_hand,

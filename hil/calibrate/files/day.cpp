@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include <fmt/format.h>
+
 namespace kerfbench::calibrate {
 
 std::optional<int> dayNumber(const std::string& iso_day) {
@@ -16,6 +18,12 @@ std::optional<int> dayNumber(const std::string& iso_day) {
       std::chrono::day(static_cast<unsigned>(std::stoi(digits.substr(6, 2))))};
   if (!day.ok()) return std::nullopt;
   return static_cast<int>(std::chrono::sys_days(day).time_since_epoch().count());
+}
+
+std::string isoDay(int days) {
+  const std::chrono::year_month_day day{std::chrono::sys_days(std::chrono::days(days))};
+  return fmt::format("{:04}-{:02}-{:02}", static_cast<int>(day.year()), static_cast<unsigned>(day.month()),
+                     static_cast<unsigned>(day.day()));
 }
 
 }  // namespace kerfbench::calibrate

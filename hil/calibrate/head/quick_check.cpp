@@ -250,6 +250,12 @@ QuickCheckResult quickCheck(const HeadFit& fit, std::span<const HeadObservation>
     result.drifts[k] = {static_cast<HeadDrift>(k), told.values[row] * scales[row],
                         told.sigmas[row] * scales[row], changed};
   }
+  const Explained of_head = explain(readings, {0, 1, 2, 3, 4});
+  for (std::size_t k = 0; k < result.of_head.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    result.of_head[k] = {static_cast<HeadDrift>(k), of_head.values[row] * scales[row],
+                         of_head.sigmas[row] * scales[row], result.drifts[k].changed};
+  }
   const double freedom = static_cast<double>(2 * marks.size());
   result.unexplained = fewest.chi2 > chiSquareAbove(freedom, normalAbove(limits.false_alarm));
   result.holds = causes.empty() && !result.unexplained && result.rejected <= kMostFalse;

@@ -41,6 +41,9 @@ struct DriftFinding {
 
 struct QuickCheckResult {
   std::array<DriftFinding, kHeadDriftCount> drifts;
+  /// The same with the sheet's height taken as unchanged, which then is told as gains: the same quantities
+  /// from check to check, whatever changed, and each as well known as the marks allow.
+  std::array<DriftFinding, kHeadDriftCount - 1> of_head;
   bool holds{};  ///< Nothing changed beyond what chance explains; one mark at most was rejected.
   /// The changed ones leave more than chance explains: something else is wrong (lens, mirror, sheet).
   bool unexplained{};
