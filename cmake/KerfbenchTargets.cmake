@@ -8,7 +8,8 @@ set(CMAKE_C_STANDARD 11)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 add_library(kerfbench_options INTERFACE)
-target_compile_options(kerfbench_options INTERFACE
+# Warnings are for this project alone: who builds against an installed bench has a compiler and a taste of his own.
+set(kerfbench_warnings
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow
   # Only where the compiler is known: a visitor's may warn of something new.
   $<$<BOOL:${KERFBENCH_WERROR}>:-Werror>
@@ -19,12 +20,15 @@ target_compile_options(kerfbench_options INTERFACE
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overflow>
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overread>
   # Of several sources in one it takes the anonymous namespaces for a header's.
-  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>
+  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
+target_compile_options(kerfbench_options INTERFACE
+  "$<BUILD_INTERFACE:${kerfbench_warnings}>"
   # Fused multiply-adds and re-association would make the bytes depend on the compiler's mood.
   -ffp-contract=off
   # Nobody asks errno after a root: without it a loop with one takes several numbers at once, the results are the same.
   -fno-math-errno)
-target_include_directories(kerfbench_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_include_directories(kerfbench_options INTERFACE
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/kerfbench>)
 
 # Where they are installed: ccache takes what was compiled before, and lld links in a sixth of the time.
 find_program(KERFBENCH_CCACHE ccache)
@@ -34,7 +38,7 @@ if(KERFBENCH_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} ${KERFBENCH_CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${launcher})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
-  target_compile_options(kerfbench_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)
+  target_compile_options(kerfbench_options INTERFACE $<BUILD_INTERFACE:$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>>)
 endif()
 find_program(KERFBENCH_LLD ld.lld)
 if(KERFBENCH_LLD)
@@ -106,8 +110,10 @@ endfunction()
 # compile than all the rest of these files: they are one translation unit, which nothing that is slow passes through.
 function(kerfbench_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
-  add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE kerfbench_options ${ARG_LIBS} CLI11::CLI11 fmt::fmt)
+  list(TRANSFORM ARG_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  add_executable(${name} ${ARG_SOURCES}
+    ${PROJECT_SOURCE_DIR}/hil/command_line/command_tree_cli.cpp ${PROJECT_SOURCE_DIR}/hil/command_line/dialogue_cli.cpp)
+  target_link_libraries(${name} PRIVATE kerfbench_options ${ARG_LIBS} kerfbench::hil_command_line CLI11::CLI11 fmt::fmt)
   if(CMAKE_BUILD_TYPE STREQUAL Release)
     target_compile_options(${name} PRIVATE -O1)
   endif()

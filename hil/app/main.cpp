@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -232,13 +231,11 @@ void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
 }
 
 /// Commands of other programs: only their names are here.
-void addHandedOver(CLI::App& app, const CliProgram& program) {
-  for (const HandedOver& each : kHandedOver) {
-    CLI::App* command = app.add_subcommand(each.text.name, each.text.help);
-    command->preparse_callback([program, each](std::size_t) {
+void addHandedOver(CLI::App& app, const CliProgram& program, CliActions& actions) {
+  for (const HandedOver& each : kHandedOver)
+    actions.handOver(app.add_subcommand(each.text.name, each.text.help), [program, each] {
       becomeProgram(program.bin_dir / each.program, each.text.name, program.argv);
     });
-  }
 }
 
 /// In the order of the help.
@@ -258,7 +255,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
   addLint(app, program, actions);
   addDoctor(app, program, actions);
   addShow(app, program, actions);
-  addHandedOver(app, program);
+  addHandedOver(app, program, actions);
 }
 
 }  // namespace
@@ -266,7 +263,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
 int main(int argc, char** argv) {
   return guardedMain([argc, argv] {
     try {
-      return dispatch(argc, argv, addCommands);
+      return dispatch(argc, argv, ProgramPart::kWhole, addCommands);
     } catch (const ProgramMissing& e) {
       std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
       return base::kExitBroken;

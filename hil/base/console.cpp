@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "hil/base/colour.h"
+
 namespace kerfbench::base {
 
 namespace {
@@ -38,7 +40,7 @@ void Console::say(const std::string& line) {
 
 void Console::result(const std::string& line) {
   endProgress();
-  std::fputs((line + "\n").c_str(), stdout);
+  std::fputs((withVerdictsInColour(line, stdout) + "\n").c_str(), stdout);
   std::fflush(stdout);
 }
 

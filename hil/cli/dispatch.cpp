@@ -6,14 +6,17 @@
 #include <thread>
 
 #include "hil/base/exit_codes.h"
+#include "hil/base/installation.h"
 #include "hil/base/version.h"
 #include "hil/cli/program.h"
+#include "hil/command_line/dialogue_cli.h"
 
 namespace kerfbench::cli {
 namespace {
 
-std::string commandLine(int argc, char** argv) {
-  std::string line = "./bench";
+/// As the user would type it again: by ./bench where the bench was built, by its name where it is installed.
+std::string commandLine(const std::filesystem::path& bin_dir, int argc, char** argv) {
+  std::string line = base::isInstalled(bin_dir) ? "kerfbench" : "./bench";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const bool plain = !word.empty() && word.find_first_of(" \t'\"$`\\*?;&|<>()") == std::string::npos;
@@ -24,11 +27,11 @@ std::string commandLine(int argc, char** argv) {
 
 }  // namespace
 
-int dispatch(int argc, char** argv, AddCommands add_commands) {
+int dispatch(int argc, char** argv, ProgramPart part, AddCommands add_commands) {
   const CliProgram program{
       .bin_dir = binDir(),
       .argv = argv,
-      .command_line = commandLine(argc, argv),
+      .command_line = commandLine(binDir(), argc, argv),
       .jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U))};
   CLI::App app{
       "Kerfbench: hardware-in-the-loop test bench and digital twin for laser die-cutters.\n"
@@ -38,6 +41,7 @@ int dispatch(int argc, char** argv, AddCommands add_commands) {
       "kerfbench"};
   app.set_version_flag("--version", base::version());
   app.require_subcommand(1);
+  app.fallthrough();  // --color stands before or behind the command.
   app.footer(
       "Exit codes: 0 PASS, 1 FAIL, 3 INVALID (the evidence cannot be trusted), 4 NOT PROVEN (inside the "
       "guard band),\n"
@@ -45,12 +49,10 @@ int dispatch(int argc, char** argv, AddCommands add_commands) {
       "Several scenarios: the worst of them, in the order 0, 4, 1, 3, 65, 2.");
   CliActions actions;
   add_commands(app, program, actions);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    const int code = app.exit(e);  // Prints help, version or the fault.
-    return code == 0 ? 0 : base::kExitUsage;
-  }
+  command_line::Dialogue dialogue(app, base::version());
+  if (part == ProgramPart::kSomeCommands) dialogue.onlyCommands();
+  for (const auto& [command, become] : actions.elsewhere()) dialogue.handOver(command, become);
+  if (const auto told = dialogue.read(argc, argv)) return *told;
   return actions.run().value_or(base::kExitUsage);
 }
 

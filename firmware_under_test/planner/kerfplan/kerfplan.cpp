@@ -34,6 +34,8 @@
 #include "firmware_under_test/planner/program/program.h"
 #include "firmware_under_test/planner/program/selection.h"
 #include "hil/base/console.h"
+#include "hil/base/version.h"
+#include "hil/command_line/dialogue_cli.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 
@@ -353,8 +355,11 @@ int main(int argc, char** argv) try {
   CLI::App app{
       "Plans the laser die-cutting of a dieline: order, G-code, motion, laser power, controller program.\n"
       "Exit codes: 0 it fits, 65 it does not or a file is wrong, 64 wrong command line, 2 the program "
-      "broke."};
+      "broke.",
+      "kerfplan"};
+  app.set_version_flag("--version", base::version());
   app.require_subcommand(1);
+  app.fallthrough();
   Options options;
   options.job.given_by = planner::GivenBy::kCommandLine;
   const Commands commands = addCommands(app, options);
@@ -366,11 +371,8 @@ int main(int argc, char** argv) try {
   const planner::ProveCommand prove(app);
   const planner::PowerCommand power(app);
   const planner::LibraryCommand library(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 64;
-  }
+  command_line::Dialogue dialogue(app, base::version());
+  if (const auto told = dialogue.read(argc, argv)) return *told;
   if (compensate.run() || prove.run() || power.run() || library.run()) return 0;
   return run(commands, strip, options);
 } catch (const planner::PlanError& error) {

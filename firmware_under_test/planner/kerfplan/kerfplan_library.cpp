@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "firmware_under_test/planner/power/library_folder.h"
+#include "hil/base/installation.h"
 
 namespace kerfbench::planner {
 
@@ -25,8 +26,7 @@ std::string shippedLibrary() {
   std::error_code failed;
   const fs::path program = fs::read_symlink("/proc/self/exe", failed);
   if (failed) return {};
-  // The program is in build/PRESET/bin.
-  const fs::path folder = (program.parent_path() / "../../../fixtures/power").lexically_normal();
+  const fs::path folder = base::shippedData(program.parent_path()) / "power";
   return fs::is_directory(folder, failed) ? folder.string() : std::string();
 }
 

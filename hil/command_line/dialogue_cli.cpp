@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/command_line/dialogue_cli.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "hil/base/atomic_file.h"
+#include "hil/base/colour.h"
+#include "hil/base/exit_codes.h"
+#include "hil/base/near_word.h"
+#include "hil/command_line/command_tree_cli.h"
+#include "hil/command_line/completion.h"
+#include "hil/command_line/man_page.h"
+#include "hil/command_line/mistyped.h"
+
+namespace kerfbench::command_line {
+
+Dialogue::Dialogue(CLI::App& app, std::string version) : app_(app), version_(std::move(version)) {
+  app.add_option("--color", colour_,
+                 "Colours: auto (on a terminal, unless NO_COLOR is set), always or never; with any command")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->capture_default_str();
+  completion_ = app.add_subcommand("completion",
+                                   "Print the script by which a shell completes this program's commands and "
+                                   "options");
+  completion_->add_option("SHELL", shell_, "The shell")
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}))
+      ->required();
+  man_ = app.add_subcommand("man", "Print the man page of the program or of a command");
+  man_->add_option("COMMAND", page_, "Words of the command; otherwise the program");
+  man_->add_option("--out", folder_, "Folder to write all pages to, instead");
+}
+
+void Dialogue::handOver(const std::string& command, std::function<void()> become) {
+  elsewhere_[command] = std::move(become);
+}
+
+CommandTree Dialogue::tree() const {
+  CommandTree tree = treeOf(app_);
+  for (CommandTree& command : tree.commands) command.elsewhere = elsewhere_.contains(command.name);
+  return tree;
+}
+
+int Dialogue::complete(const std::vector<std::string>& words) const {
+  for (const std::string& word : words) {
+    if (word.starts_with("-")) continue;
+    // The last word may be about to become another.
+    if (const auto found = elsewhere_.find(word); found != elsewhere_.end() && &word != &words.back())
+      found->second();
+    break;
+  }
+  std::fputs(completionsFor(tree(), words).c_str(), stdout);
+  return 0;
+}
+
+int Dialogue::tellFault(const CLI::ParseError& fault, const std::vector<std::string>& words) const {
+  const CommandTree all = tree();
+  const std::string command = commandNamed(all, words);
+  const auto told = mistypedWord(all, words);
+  std::fputs(told ? (*told + "\n").c_str() : fmt::format("{}: {}\n", command, fault.what()).c_str(), stderr);
+  std::fputs(fmt::format("{} --help lists what there is.\n", command).c_str(), stderr);
+  return base::kExitUsage;
+}
+
+int Dialogue::tellPages() const {
+  const std::vector<ManPage> pages = manPages(tree(), version_);
+  if (!folder_.empty()) {
+    std::filesystem::create_directories(folder_);
+    for (const ManPage& page : pages) {
+      if (only_commands_ &&
+          (page.name == app_.get_name() || page.name.ends_with("-completion") || page.name.ends_with("-man")))
+        continue;
+      base::writeFileAtomically(folder_ / (page.name + ".1"), page.text);
+    }
+    return 0;
+  }
+  if (!page_.empty()) {
+    if (const auto found = elsewhere_.find(page_.front()); found != elsewhere_.end()) found->second();
+  }
+  const std::string name =
+      fmt::format("{}{}{}", app_.get_name(), page_.empty() ? "" : "-", fmt::join(page_, "-"));
+  const auto page = std::ranges::find(pages, name, &ManPage::name);
+  if (page == pages.end()) {
+    std::vector<std::string> names;
+    for (const ManPage& each : pages) names.push_back(each.name);
+    std::fputs(fmt::format("there is no page {}.{}\n", name, base::didYouMean(name, names)).c_str(), stderr);
+    return base::kExitUsage;
+  }
+  std::fputs(page->text.c_str(), stdout);
+  return 0;
+}
+
+std::optional<int> Dialogue::read(int argc, char** argv) {
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (!words.empty() && words.front() == kAskCompletion) return complete({words.begin() + 1, words.end()});
+  if (words.empty()) {
+    // In a pipeline a command that has got lost must not look like a PASS.
+    std::fputs(app_.help().c_str(), stderr);
+    return base::kExitUsage;
+  }
+  try {
+    app_.parse(argc, argv);
+  } catch (const CLI::Success& asked) {
+    return app_.exit(asked);
+  } catch (const CLI::ParseError& fault) {
+    return tellFault(fault, words);
+  }
+  base::chooseColour(colour_ == "always"  ? base::ColourChoice::kAlways
+                     : colour_ == "never" ? base::ColourChoice::kNever
+                                          : base::ColourChoice::kAuto);
+  if (completion_->parsed()) {
+    std::fputs(completionScript(shell_, app_.get_name()).value_or("").c_str(), stdout);
+    return 0;
+  }
+  if (man_->parsed()) return tellPages();
+  return std::nullopt;
+}
+
+}  // namespace kerfbench::command_line
