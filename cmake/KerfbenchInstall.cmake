@@ -10,6 +10,11 @@ set(kerfbench_data share/kerfbench)
 
 # --- kerfbench: programs and the data that they read
 set(kerfbench_programs kerfbench kerfbench-instrument kerfplan kerfbench-mcs51 kerfbench-cortex-m)
+# They read what strangers send: their tables of functions cannot be overwritten.
+get_property(native_releases GLOBAL PROPERTY KERFBENCH_NATIVE_RELEASES)
+foreach(program IN ITEMS ${kerfbench_programs} kerfbench-avr kerfbench-sigrok ${native_releases})
+  target_link_options(${program} PRIVATE LINKER:-z,relro,-z,now)
+endforeach()
 install(TARGETS ${kerfbench_programs} RUNTIME DESTINATION ${kerfbench_private}/bin COMPONENT kerfbench)
 set(links ${PROJECT_BINARY_DIR}/installed_links)
 file(MAKE_DIRECTORY ${links})
@@ -19,7 +24,6 @@ foreach(program IN ITEMS kerfbench kerfplan)
 endforeach()
 
 # Every image that a scenario may name. An .elf is for debuggers; some images have no other form.
-get_property(native_releases GLOBAL PROPERTY KERFBENCH_NATIVE_RELEASES)
 install(TARGETS ${native_releases} RUNTIME DESTINATION ${kerfbench_private}/firmware COMPONENT kerfbench)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/firmware/ DESTINATION ${kerfbench_private}/firmware COMPONENT kerfbench
   FILES_MATCHING PATTERN "*.hex" PATTERN "*.parts" EXCLUDE)
@@ -31,6 +35,9 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/fixtures/ DESTINATION ${kerfbench_data} 
 # Pages that programs read: what a key means, its range and its default.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/reference/ DESTINATION ${kerfbench_data}/reference COMPONENT kerfbench
   FILES_MATCHING PATTERN "*.md" PATTERN "*.json")
+
+# What a CI's job runs; packaging/Containerfile and the templates call it there.
+install(PROGRAMS packaging/ci/run_plan.sh packaging/ci/summary.py DESTINATION ${kerfbench_data}/ci COMPONENT kerfbench)
 
 # --- emulators: programs of their own because of what they link
 install(TARGETS kerfbench-avr kerfbench-sigrok RUNTIME DESTINATION ${kerfbench_private}/bin COMPONENT emulators)
@@ -70,6 +77,7 @@ install(FILES ${PROJECT_BINARY_DIR}/kerfbenchConfig.cmake ${PROJECT_BINARY_DIR}/
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/twin ${PROJECT_SOURCE_DIR}/hil ${PROJECT_SOURCE_DIR}/firmware_under_test
   DESTINATION include/kerfbench COMPONENT dev
   FILES_MATCHING PATTERN "*.h"
+  PATTERN "firmware_under_test/faults" EXCLUDE PATTERN "own_jobs" EXCLUDE PATTERN "twin/validation" EXCLUDE
   PATTERN "avr_child" EXCLUDE PATTERN "mcs51_child" EXCLUDE PATTERN "cortex_m_child" EXCLUDE PATTERN "sigrok_child" EXCLUDE
   PATTERN "hil/app" EXCLUDE PATTERN "hil/instrument" EXCLUDE PATTERN "planner/kerfplan" EXCLUDE
   PATTERN "controller/avr" EXCLUDE PATTERN "controller/mcs51" EXCLUDE PATTERN "controller/stm32" EXCLUDE PATTERN "controller/native" EXCLUDE)

@@ -33,6 +33,7 @@ void addSlurmOptions(CLI::App& command, CampaignOptions& options) {
 void addCampaign(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   const auto options = std::make_shared<CampaignOptions>();
   options->bin_dir = program.bin_dir;
+  options->results = program.results;
   options->cores = program.jobs;
   CLI::App* command = app.add_subcommand(
       "campaign",

@@ -157,7 +157,7 @@ int runCampaign(const CampaignOptions& options, base::Console& console) {
   const std::optional<campaign::Campaign> campaign =
       options.file.empty() ? std::nullopt : std::optional(campaign::readCampaign(options.file));
   const fs::path output =
-      options.output.empty() ? fs::path("results") / "campaigns" / campaign->name : options.output;
+      options.output.empty() ? options.results / "campaigns" / campaign->name : options.output;
   if (options.list) return listRuns(*campaign, console);
   if (options.merge) {
     const campaign::KnownCampaign known = campaign::knownCampaign(output);

@@ -12,6 +12,7 @@ struct CampaignOptions {
   std::filesystem::path file;     ///< Campaign file; may be empty with `merge`.
   std::filesystem::path output;   ///< Folder of the results; empty: by the campaign's name.
   std::filesystem::path bin_dir;  ///< Where kerfbench and its children are.
+  std::filesystem::path results{"results"};  ///< Folder for results, unless `output` is given.
   int jobs{};                     ///< Runs at a time; 0: `cores` here, one for each task of Slurm.
   int cores{1};                   ///< Processors of this computer.
   std::string shard;              ///< "2/7"; empty: all runs, then merged.

@@ -8,8 +8,9 @@
 namespace kerfbench::app {
 namespace {
 
-void addCompare(CLI::App& app, cli::CliActions& actions) {
+void addCompare(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   const auto options = std::make_shared<CompareOptions>();
+  options->out = program.results / "compare";
   CLI::App* compare = app.add_subcommand("compare",
                                          "Two releases beside each other: each check, entity, cut and joint "
                                          "with both values, their difference and its\n"
@@ -35,21 +36,22 @@ void addCompare(CLI::App& app, cli::CliActions& actions) {
   actions.add(compare, [=] { return compareCommand(*options); });
 }
 
-void addPlace(CLI::App& command, HistoryPlace& place) {
+void addPlace(CLI::App& command, const cli::CliProgram& program, HistoryPlace& place) {
+  place.results_dir = program.results;
   command.add_option("NAME", place.name, "The scenario's name, or the folder of its runs")->required();
   command.add_option("--results-dir", place.results_dir, "Folder with the results")->capture_default_str();
 }
 
 }  // namespace
 
-void addHistory(CLI::App& app, const cli::CliProgram&, cli::CliActions& actions) {
-  addCompare(app, actions);
+void addHistory(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
+  addCompare(app, program, actions);
 
   const auto place = std::make_shared<HistoryPlace>();
   CLI::App* history = app.add_subcommand(
       "history",
       "The runs of a scenario over time: a line for each, and history.html with a plot of each check");
-  addPlace(*history, *place);
+  addPlace(*history, program, *place);
   actions.add(history, [=] { return historyCommand(*place); });
 
   const auto pruned = std::make_shared<HistoryPlace>();
@@ -57,7 +59,7 @@ void addHistory(CLI::App& app, const cli::CliProgram&, cli::CliActions& actions)
   CLI::App* prune = app.add_subcommand(
       "prune",
       "Remove older runs of a scenario. The latest stays, and a folder that holds what no run wrote");
-  addPlace(*prune, *pruned);
+  addPlace(*prune, program, *pruned);
   prune->add_option("--keep", options->keep, "So many of the newest stay")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

@@ -35,6 +35,7 @@ std::shared_ptr<judge::RunOptions> commonOptions(const CliProgram& program) {
   options->bin_dir = program.bin_dir;
   options->command_line = program.command_line;
   options->jobs = program.jobs;
+  options->results_dir = program.results;
   options->pictures = !isCi(std::getenv("CI"));
   return options;
 }
@@ -190,6 +191,7 @@ void addDiagnose(CLI::App& app, CliActions& actions) {
 
 void addFold(CLI::App& app, const CliProgram& program, CliActions& actions) {
   const auto options = std::make_shared<fold::FoldOptions>();
+  options->out = program.results / "fold";
   options->command_line = program.command_line;
   options->jobs = program.jobs;
   CLI::App* command = app.add_subcommand(

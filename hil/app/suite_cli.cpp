@@ -80,6 +80,7 @@ void addSuite(CLI::App& app, const cli::CliProgram& program, cli::CliActions& ac
   words->options.bin_dir = program.bin_dir;
   words->options.program = program.bin_dir / "kerfbench";
   words->options.jobs = program.jobs;
+  words->options.results_dir = program.results;
   words->options.processors = program.jobs;
   words->options.pictures = !isCi(std::getenv("CI"));
   CLI::App* const command = app.add_subcommand(

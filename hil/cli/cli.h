@@ -20,6 +20,7 @@ struct CliProgram {
   char** argv{};                  ///< As main() got it.
   std::string command_line;       ///< As typed.
   int jobs{1};                    ///< Unless told otherwise.
+  std::filesystem::path results;  ///< See usualResults().
 };
 
 /// What is to be done for each command.

@@ -32,7 +32,8 @@ int dispatch(int argc, char** argv, ProgramPart part, AddCommands add_commands) 
       .bin_dir = binDir(),
       .argv = argv,
       .command_line = commandLine(binDir(), argc, argv),
-      .jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U))};
+      .jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U)),
+      .results = usualResults()};
   CLI::App app{
       "Kerfbench: hardware-in-the-loop test bench and digital twin for laser die-cutters.\n"
       "Takes a firmware release, lets it cut a dieline on a modelled machine, looks at the cut with a "

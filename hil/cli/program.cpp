@@ -2,9 +2,12 @@
 #include "hil/cli/program.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <system_error>
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/freed_memory.h"
@@ -12,6 +15,20 @@
 namespace kerfbench::cli {
 
 std::filesystem::path binDir() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
+
+std::filesystem::path usualResults() {
+  const char* const here = "results";
+  std::error_code ignored;
+  if (::access(std::filesystem::exists(here, ignored) ? here : ".", W_OK) == 0) return here;
+  const auto from = [](const char* variable) {
+    const char* value = std::getenv(variable);
+    return std::filesystem::path(value == nullptr ? "" : value);
+  };
+  // The specification has relative ones ignored.
+  if (from("XDG_STATE_HOME").is_absolute()) return from("XDG_STATE_HOME") / "kerfbench" / here;
+  if (from("HOME").is_absolute()) return from("HOME") / ".local" / "state" / "kerfbench" / here;
+  return here;
+}
 
 int guardedMain(const std::function<int()>& work) {
   base::keepFreedMemory();

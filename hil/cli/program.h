@@ -53,6 +53,11 @@ inline constexpr std::array kHandedOver{HandedOver{kServe, kWindowProgram}, Hand
 /// The folder of the program that runs: its children are there, and the programs built with it.
 std::filesystem::path binDir();
 
+/// The folder for results unless the user names one: "results" in the current folder; where nothing can be
+/// written there (a run in /usr/share), "kerfbench/results" in $XDG_STATE_HOME, which is ~/.local/state
+/// unless set.
+std::filesystem::path usualResults();
+
 /// What main() of a program does: the work, whose exit code it returns. If the bench itself breaks (any
 /// exception) that is told on standard error: base::kExitBroken.
 int guardedMain(const std::function<int()>& work);

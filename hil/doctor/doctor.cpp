@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "hil/base/installation.h"
 #include "hil/doctor/doctor_cameras.h"
 #include "hil/scenario/camera_files.h"
 #include "hil/scenario/gpio_choice.h"
@@ -84,7 +85,10 @@ void lookAtRelease(const scenario::FirmwareChoice& firmware, const fs::path& bin
   const bool there = fs::is_regular_file(program);
   findings.push_back(
       {there ? Grade::kGood : Grade::kMissing,
-       fmt::format("{} {}", program.string(), there ? "runs the release" : "is not there: build it")});
+       fmt::format("{} {}", program.string(),
+                   there                        ? "runs the release"
+                   : base::isInstalled(bin_dir) ? "is not there: install the package kerfbench-emulators"
+                                                : "is not there: build it")});
 }
 
 }  // namespace

@@ -69,6 +69,7 @@ void addCalibrateHead(CLI::App& calibrate, const cli::CliProgram& program, cli::
   options.jobs = program.jobs;
   options.bin_dir = program.bin_dir;
   options.command_line = program.command_line;
+  options.results_dir = program.results / "head";
   CLI::App* head = calibrate.add_subcommand(
       "head",
       "Calibrate a scan head on the twin: marks are cut, found in the kerf camera's pictures, and the head "

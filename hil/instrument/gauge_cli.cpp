@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/base/installation.h"
 #include "hil/cli/program.h"
 #include "hil/instrument/cli.h"
 #include "hil/instrument/gauge_command.h"
@@ -48,6 +49,9 @@ void addGauge(CLI::App& app, const cli::CliProgram& program, cli::CliActions& ac
   GaugeCommandOptions& options = *holder;
   options.command_line = program.command_line;
   options.gauge.jobs = program.jobs;
+  options.results_dir = program.results;
+  if (base::isInstalled(program.bin_dir))
+    options.machine = base::shippedData(program.bin_dir) / "machines" / "two-mirror.yaml";
   CLI::App* gauge = app.add_subcommand(cli::kGauge.name, cli::kGauge.help);
   gauge->add_option("MACHINE", options.machine, "Machine file, whose cameras are gauged")
       ->capture_default_str();

@@ -72,6 +72,8 @@ void addCheck(CLI::App& calibrate, const cli::CliProgram& program, cli::CliActio
   o.bin_dir = program.bin_dir;
   o.command_line = program.command_line;
   o.jobs = program.jobs;
+  o.calibration = program.results / "head";
+  o.results_dir = program.results / "head-check";
   CLI::App* check = calibrate.add_subcommand("check",
                                              "Does a head's correction still hold? Nine marks are cut with "
                                              "it and held against the head as it was when\n"
@@ -114,6 +116,7 @@ void addReversal(CLI::App& calibrate, const cli::CliProgram& program, cli::CliAc
   o.bin_dir = program.bin_dir;
   o.command_line = program.command_line;
   o.jobs = program.jobs;
+  o.results_dir = program.results / "head-reversal";
   CLI::App* reversal =
       calibrate.add_subcommand("reversal",
                                "Which part of a head's error is the camera's own? A sheet of marks is cut "

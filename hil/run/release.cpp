@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "firmware_under_test/planner/job/target.h"
+#include "hil/base/installation.h"
 #include "hil/source/open.h"
 
 namespace kerfbench::run {
@@ -34,8 +35,10 @@ std::unique_ptr<source::SignalSource> openRelease(const scenario::FirmwareChoice
   options.image = firmware.image;
   options.child = firmware.childIn(bin_dir);
   if (firmware.emulator() != nullptr && !std::filesystem::exists(options.child))
-    throw base::InputError(fmt::format(
-        "{}: the emulator is not there: this build was made without its library", options.child.string()));
+    throw base::InputError(fmt::format("{}: the emulator is not there: {}", options.child.string(),
+                                       base::isInstalled(bin_dir)
+                                           ? "install the package kerfbench-emulators"
+                                           : "this build was made without its library"));
   options.mcu = firmware.mcu;
   options.eeprom = firmware.eeprom_blank ? std::string(source::kBlankEeprom) : firmware.eeprom.string();
   options.clock_hz = firmware.clock_hz;
