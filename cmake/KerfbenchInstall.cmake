@@ -50,10 +50,14 @@ endif()
 
 # --- man pages and completions, told by the programs themselves
 set(user_files ${PROJECT_BINARY_DIR}/user_files)
+set(telling kerfbench kerfbench-instrument kerfplan)
+if(TARGET kerfbench-window)
+  list(APPEND telling kerfbench-window)
+endif()
 add_custom_command(OUTPUT ${user_files}/stamp
-  COMMAND ${CMAKE_COMMAND} -DBIN=${PROJECT_BINARY_DIR}/bin -DOUT=${user_files} -DCHANGELOG=${PROJECT_SOURCE_DIR}/packaging/debian/changelog
+  COMMAND ${CMAKE_COMMAND} -DBIN=${PROJECT_BINARY_DIR}/bin "-DPROGRAMS=${telling}" -DOUT=${user_files} -DCHANGELOG=${PROJECT_SOURCE_DIR}/packaging/debian/changelog
     -P ${PROJECT_SOURCE_DIR}/cmake/user_files.cmake
-  DEPENDS kerfbench kerfbench-instrument kerfplan ${PROJECT_SOURCE_DIR}/packaging/debian/changelog ${PROJECT_SOURCE_DIR}/cmake/user_files.cmake
+  DEPENDS ${telling} ${PROJECT_SOURCE_DIR}/packaging/debian/changelog ${PROJECT_SOURCE_DIR}/cmake/user_files.cmake
   VERBATIM)
 add_custom_target(user_files DEPENDS ${user_files}/stamp)
 install(DIRECTORY ${user_files}/man1 DESTINATION share/man COMPONENT kerfbench)
@@ -64,7 +68,7 @@ install(DIRECTORY ${user_files}/fish/ DESTINATION share/fish/vendor_completions.
 # --- dev: find_package(kerfbench), a target for each room
 get_property(rooms GLOBAL PROPERTY KERFBENCH_ROOMS)
 # Commands of the programs are nothing to build upon.
-list(REMOVE_ITEM rooms hil_app hil_instrument)
+list(REMOVE_ITEM rooms hil_app hil_instrument hil_window)
 install(TARGETS kerfbench_options ${rooms} EXPORT kerfbench ARCHIVE DESTINATION ${kerfbench_private} COMPONENT dev)
 install(EXPORT kerfbench NAMESPACE kerfbench:: FILE kerfbenchTargets.cmake DESTINATION lib/cmake/kerfbench COMPONENT dev)
 include(CMakePackageConfigHelpers)
@@ -79,7 +83,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/twin ${PROJECT_SOURCE_DIR}/hil ${PROJECT
   FILES_MATCHING PATTERN "*.h"
   PATTERN "firmware_under_test/faults" EXCLUDE PATTERN "own_jobs" EXCLUDE PATTERN "twin/validation" EXCLUDE
   PATTERN "avr_child" EXCLUDE PATTERN "mcs51_child" EXCLUDE PATTERN "cortex_m_child" EXCLUDE PATTERN "sigrok_child" EXCLUDE
-  PATTERN "hil/app" EXCLUDE PATTERN "hil/instrument" EXCLUDE PATTERN "planner/kerfplan" EXCLUDE
+  PATTERN "hil/app" EXCLUDE PATTERN "hil/instrument" EXCLUDE PATTERN "hil/window" EXCLUDE PATTERN "planner/kerfplan" EXCLUDE
   PATTERN "controller/avr" EXCLUDE PATTERN "controller/mcs51" EXCLUDE PATTERN "controller/stm32" EXCLUDE PATTERN "controller/native" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION share/doc/kerfbench-dev COMPONENT dev)
 

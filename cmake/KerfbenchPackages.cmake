@@ -74,13 +74,17 @@ kerfbench_package(window NAME kerfbench-window FILE kerfbench-window
   TEXT "Pages that kerfbench serve and kerfbench view show in a browser: jobs, runs,
 the machine in motion, and recorded traces."
   DEPENDS "kerfbench ${same_version}")
+set(httplib)
+if(HTTPLIB_FOUND)
+  set(httplib libcpp-httplib-dev)
+endif()
 kerfbench_package(dev NAME kerfbench-dev FILE kerfbench-dev SECTION libdevel
   TITLE "CMake package of the test bench for laser die-cutters"
   TEXT "Headers, static libraries and the CMake package kerfbench: one target for each
 part of the bench, for checks and sources of one's own. An example is in
 /usr/share/doc/kerfbench-dev/examples."
   DEPENDS "kerfbench ${same_version}" libbullet-dev libeigen3-dev libopencv-dev libpng-dev libjpeg-dev libyaml-cpp-dev libfmt-dev
-    nlohmann-json3-dev libpugixml-dev libssl-dev libgpiod-dev libzip-dev libqpdf-dev libxxhash-dev
+    nlohmann-json3-dev libpugixml-dev libssl-dev libgpiod-dev libzip-dev libqpdf-dev libxxhash-dev libzstd-dev zlib1g-dev ${httplib}
   SUGGESTS cmake)
 kerfbench_package(doc NAME kerfbench-doc FILE kerfbench-doc SECTION doc ALL
   TITLE "documentation of the test bench for laser die-cutters"

@@ -10,6 +10,8 @@
 #include <set>
 #include <system_error>
 
+#include "hil/base/near_word.h"
+
 namespace kerfbench::base {
 
 namespace {
@@ -433,7 +435,10 @@ std::vector<YamlReader::Fault> YamlReader::faults() const {
         faults.push_back({book->path, place.line, place.column, book->prefix + key, std::move(message)});
       };
       if (!book->asked.contains(key)) {
-        add(fmt::format("unknown key (known here: {})", fmt::join(book->asked, ", ")));
+        const std::vector<std::string> known(book->asked.begin(), book->asked.end());
+        const std::string near = didYouMean(key, known);
+        add(fmt::format("unknown key{}{} (known here: {})", near.empty() ? "" : ".", near,
+                        fmt::join(known, ", ")));
       } else if (!seen.insert(key).second) {
         add("given twice");
       }

@@ -11,6 +11,7 @@
 
 #include "hil/base/file_content.h"
 #include "hil/base/input_error.h"
+#include "hil/base/installation.h"
 #include "hil/base/text.h"
 #include "hil/desk/json_text.h"
 #include "hil/desk/markdown.h"
@@ -295,14 +296,9 @@ fs::path referencePage(const std::string& page, const fs::path& bin_dir) {
   if (page != "scenario" && page != "machine")
     throw base::InputError(
         fmt::format("{} is no page of the reference: scenario, machine", base::inQuotes(page)));
-  const fs::path beside = bin_dir.parent_path();
-  for (const fs::path& folder : {beside / "reference", beside / "share" / "kerfbench" / "reference"}) {
-    fs::path file = folder / (page + ".md");
-    if (fs::is_regular_file(file)) return file;
-  }
-  throw base::InputError(fmt::format("there is no {} and no {}",
-                                     (beside / "reference" / (page + ".md")).string(),
-                                     (beside / "share/kerfbench/reference" / (page + ".md")).string()));
+  fs::path file = base::referencePages(bin_dir) / (page + ".md");
+  if (!fs::is_regular_file(file)) throw base::InputError(fmt::format("there is no {}", file.string()));
+  return file;
 }
 
 std::string referenceJson(const std::string& page, const fs::path& bin_dir) {

@@ -19,6 +19,7 @@
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/input_error.h"
+#include "hil/base/installation.h"
 #include "hil/serve/refusal.h"
 
 namespace kerfbench::serve {
@@ -109,19 +110,12 @@ base::UniqueFd folderToWrite(int root, const std::string& name) {
   return folder;
 }
 
-std::optional<ShippedFolders> foldersAt(const fs::path& fixtures, const fs::path& firmware) {
-  if (!fs::is_directory(fixtures / "scenarios")) return std::nullopt;
-  return ShippedFolders{fs::canonical(fixtures), firmware};
-}
-
 }  // namespace
 
 ShippedFolders shippedFolders(const fs::path& bin_dir) {
-  const fs::path firmware = (bin_dir / ".." / "firmware").lexically_normal();
-  // Beside the programs, or build/release/bin in the repository.
-  for (const char* up : {"../share/kerfbench/fixtures", "../../../fixtures"}) {
-    if (const auto found = foldersAt(bin_dir / up, firmware)) return *found;
-  }
+  const fs::path data = base::shippedData(bin_dir);
+  if (fs::is_directory(data / "scenarios"))
+    return {fs::canonical(data), (bin_dir / ".." / "firmware").lexically_normal()};
   throw base::InputError(fmt::format("no machines and examples beside the programs in {}", bin_dir.string()));
 }
 

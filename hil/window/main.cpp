@@ -14,6 +14,7 @@ void addCommands(CLI::App& app, const kerfbench::cli::CliProgram& program,
 }  // namespace
 
 int main(int argc, char** argv) {
-  return kerfbench::cli::guardedMain(
-      [argc, argv] { return kerfbench::cli::dispatch(argc, argv, addCommands); });
+  return kerfbench::cli::guardedMain([argc, argv] {
+    return kerfbench::cli::dispatch(argc, argv, kerfbench::cli::ProgramPart::kSomeCommands, addCommands);
+  });
 }
