@@ -19,9 +19,13 @@ using source::Controller;
 /// One line for each fault, with the place of a key.
 class Faults {
  public:
+  explicit Faults(const scenario::Scenario& scenario) : scenario_(scenario) {}
+
   void add(const std::filesystem::path& file, const std::string& section, std::string_view key,
            const std::string& what) {
-    auto reader = base::YamlReader::openFile(file);
+    // A scenario in an editor need not be saved as it is.
+    auto reader = file == scenario_.path ? base::YamlReader::openText(file, scenario_.text)
+                                         : base::YamlReader::openFile(file);
     const base::YamlReader opened =
         reader.section(section);  // Places are known of sections that were opened.
     const std::string whole = fmt::format("{}.{}", section, key);
@@ -32,6 +36,7 @@ class Faults {
   }
 
  private:
+  const scenario::Scenario& scenario_;
   std::string text_;
 };
 
@@ -69,7 +74,7 @@ void refuseUnfitController(const scenario::Case& test_case, const std::filesyste
   const std::vector<Controller> all = source::emulatedControllers(child, firmware.mcu);
   const auto controller =
       std::ranges::find_if(all, [&](const Controller& c) { return c.isCalled(firmware.mcu); });
-  Faults faults;
+  Faults faults(test_case.scenario);
   if (controller == all.end()) {
     faults.add(test_case.scenario.path, "firmware", "mcu", unknown(firmware.mcu, all));
     faults.refuse();

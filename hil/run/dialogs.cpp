@@ -138,10 +138,7 @@ PreparedJob prepareJob(const scenario::Case& test_case) {
     return job;
   }
   const std::filesystem::path& edited = test_case.scenario.job_gcode;
-  planner::MachineParameters machine = scenario::plannerMachine(test_case);
-  // One that does not say what it is gets a job for the AVR release; what it answers must agree with that.
-  const std::filesystem::path& image = test_case.scenario.firmware.image;
-  if (!image.empty()) machine.target = planner::findTarget(image).value_or(planner::Target{});
+  const planner::MachineParameters machine = scenario::targetedMachine(test_case);
   const planner::JobParameters parameters = scenario::plannerJob(test_case);
   const planner::PlannerFaults& faults = test_case.scenario.planner_faults;
   planner::Plan plan = edited.empty() ? planner::plan(*test_case.dieline, machine, parameters, faults)

@@ -9,6 +9,7 @@
 
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/head/correction.h"
+#include "firmware_under_test/planner/order/hand_order.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/dieline/geometry.h"
 #include "hil/machine_file/machine_check.h"
@@ -53,6 +54,15 @@ void refuseUnfitNesting(const Scenario& scenario, dieline::Dieline whole, const 
   }
 }
 
+void refuseUnsoundOrder(const Scenario& scenario, const dieline::Dieline& dieline) {
+  // G-code of the user's own has an order already.
+  if (scenario.job.order != planner::JobParameters::Order::kGiven || !scenario.job_gcode.empty()) return;
+  const std::vector<std::string> faults = planner::orderFaults(dieline, scenario.job.given_order);
+  if (faults.empty()) return;
+  throw base::ConfigError(
+      fmt::format("{}: planner.order: {}", scenario.path.string(), fmt::join(faults, "; ")));
+}
+
 /// The drawing as the scenario wants it cut.
 dieline::Dieline selectedDieline(const Scenario& scenario, const base::ProgressFn& progress) {
   dieline::DrawingOptions drawing = scenario.drawing;
@@ -65,6 +75,7 @@ dieline::Dieline selectedDieline(const Scenario& scenario, const base::ProgressF
   }
   refuseUnfit(dieline, scenario.accepted, progress);
   refuseUnfitNesting(scenario, dieline, progress);
+  refuseUnsoundOrder(scenario, dieline);
   return dieline;
 }
 
@@ -196,6 +207,13 @@ planner::MachineParameters plannerMachine(const Case& test_case) {
     machine.drives[KB_GALVO_Y] = needsOf(m.galvo_y);
   }
   if (m.belt.feed.step > 0.0) machine.drives[KB_FEED] = needsOf(m.belt.feed);
+  return machine;
+}
+
+planner::MachineParameters targetedMachine(const Case& test_case) {
+  planner::MachineParameters machine = plannerMachine(test_case);
+  const std::filesystem::path& image = test_case.scenario.firmware.image;
+  if (!image.empty()) machine.target = planner::findTarget(image).value_or(planner::Target{});
   return machine;
 }
 

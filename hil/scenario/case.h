@@ -53,6 +53,10 @@ twin::SampledMachine sampledMachine(const Case& test_case);
 
 /// Machine as the planner is configured with it.
 planner::MachineParameters plannerMachine(const Case& test_case);
+/// The same with the controller that the scenario's release says it is; a release that does not say gets a
+/// job for the AVR release: what it answers must agree with that.
+/// @throws planner::PlanError for an image that cannot be read.
+planner::MachineParameters targetedMachine(const Case& test_case);
 /// Job as the planner is configured with it, the web's start included.
 planner::JobParameters plannerJob(const Case& test_case);
 /// Web that runs through the machine, of board as its data sheet has it.

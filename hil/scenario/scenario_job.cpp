@@ -2,11 +2,13 @@
 #include "hil/scenario/scenario_sections.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "firmware_under_test/planner/order/hand_order.h"
 #include "firmware_under_test/planner/power/library_folder.h"
 #include "firmware_under_test/planner/power/model.h"
 
@@ -78,6 +80,24 @@ std::shared_ptr<const planner::PowerModel> readPower(base::YamlReader& power) {
   }
 }
 
+/// A way to find an order, or the order itself: `[3, 0, 5-8]`.
+void readOrder(base::YamlReader& planner, planner::JobParameters& job) {
+  using Order = planner::JobParameters::Order;
+  if (!planner.isList("order")) {
+    const std::string order = planner.choice("order", {"shortest", "nearest", "drawn"}, "shortest");
+    job.order = order == "drawn" ? Order::kDrawn : order == "nearest" ? Order::kNearest : Order::kShortest;
+    return;
+  }
+  job.order = Order::kGiven;
+  try {
+    job.given_order = planner::idsOf(
+        planner::entityRangesFrom(fmt::format("{}", fmt::join(planner.texts("order"), ",")), "an order"),
+        planner::kMostOrdered);
+  } catch (const planner::PlanError& error) {
+    planner.fault("order", error.what());
+  }
+}
+
 }  // namespace
 
 planner::JobParameters readJob(base::YamlReader planner, const Scenario& scenario) {
@@ -120,10 +140,7 @@ planner::JobParameters readJob(base::YamlReader planner, const Scenario& scenari
   job.stop_and_go = planner.boolean("stop_and_go", false);
   if (job.stop_and_go && !scenario.belt_by_controller)
     planner.fault("stop_and_go", "needs belt.drive: controller, whose feed it is");
-  const std::string order = planner.choice("order", {"shortest", "nearest", "drawn"}, "shortest");
-  job.order = order == "drawn"     ? planner::JobParameters::Order::kDrawn
-              : order == "nearest" ? planner::JobParameters::Order::kNearest
-                                   : planner::JobParameters::Order::kShortest;
+  readOrder(planner, job);
   job.kerf_radius_mm = planner.number("kerf_radius_mm", {.min = 0, .max = 2, .fallback = 0.0});
   const std::string open_cuts = planner.choice("open_cuts", {"line", "left", "right"}, "line");
   job.open_cuts = open_cuts == "left"    ? planner::JobParameters::OpenCuts::kLeft

@@ -120,10 +120,11 @@ struct JobParameters {
   double web_start_x_mm{};
   /// Acceleration of the belt's ramps at start and end, with feed_by_controller.
   double feed_acceleration_mm_s2{500};
-  /// Order in which a dieline is cut: the shortest air path that is found, a walk to the nearest end, or as
-  /// drawn. All but the last keep creases before cuts and holes before outlines.
-  enum class Order { kShortest, kNearest, kDrawn };
+  /// Order in which a dieline is cut: the shortest air path that is found, a walk to the nearest end, as
+  /// drawn, or as given. The first two keep creases before cuts and holes before outlines.
+  enum class Order { kShortest, kNearest, kDrawn, kGiven };
   Order order{Order::kShortest};
+  std::vector<int> given_order{};  ///< For kGiven: each entity that is cut, by its id, once.
   /// Half the width of the cut: offset of the beam from the lines of process cut, so that the cut's edges lie
   /// on the dieline (kerf.h); 0: the beam runs on the lines. Creases, half-cuts and perforations have no edge
   /// to keep and are never moved.

@@ -41,6 +41,16 @@ std::vector<std::string_view> itemsOf(std::string_view list) {
   return items;
 }
 
+std::vector<int> idsOf(const EntityRanges& ranges, std::size_t most) {
+  std::vector<int> ids;
+  for (const auto& [first, last] : ranges) {
+    if (static_cast<std::size_t>(last - first) >= most - std::min(ids.size(), most))
+      throw PlanError(fmt::format("more than {} entities", most));
+    for (int id = first; id <= last; ++id) ids.push_back(id);
+  }
+  return ids;
+}
+
 EntityRanges entityRangesFrom(std::string_view list, std::string_view name) {
   EntityRanges ranges;
   std::vector<std::string> faults;

@@ -84,9 +84,14 @@ class Search {
     for (const Stop& stop : stops_) variants_.push_back(variantsOf(stop.chain));
   }
 
+  std::vector<Stop> inGivenOrder() {
+    Tour tour = asGiven();
+    programStarts(tour);
+    return stopsOf(tour);
+  }
+
   std::vector<Stop> best() {
-    Tour tour;
-    for (std::size_t i = 0; i < stops_.size(); ++i) tour.push_back({i, 0});
+    Tour tour = asGiven();
     descend(tour);
     Tour best = tour;
     double best_mm = lengthOf(best);
@@ -128,10 +133,17 @@ class Search {
     return sum;
   }
 
+  [[nodiscard]] Tour asGiven() const {
+    Tour tour;
+    for (std::size_t i = 0; i < stops_.size(); ++i) tour.push_back({i, 0});
+    return tour;
+  }
   [[nodiscard]] std::vector<Stop> stopsOf(const Tour& tour) const {
     std::vector<Stop> out;
-    for (const Visit& visit : tour)
-      out.push_back({run(stops_[visit.piece].chain, at(visit)), stops_[visit.piece].rank});
+    for (const Visit& visit : tour) {
+      const Stop& stop = stops_[visit.piece];
+      out.push_back({run(stop.chain, at(visit)), stop.rank, stop.has_bridges});
+    }
     return out;
   }
 
@@ -347,6 +359,11 @@ std::vector<Stop> shortened(std::vector<Stop> order,
                             const std::function<bool(const std::vector<Stop>&)>& fits, int most_questions) {
   if (order.size() < 2) return order;
   return Search(std::move(order), fits, most_questions).best();
+}
+
+std::vector<Stop> withNearestStarts(std::vector<Stop> order) {
+  if (order.size() < 2) return order;
+  return Search(std::move(order), {}, 0).inGivenOrder();
 }
 
 }  // namespace kerfbench::planner

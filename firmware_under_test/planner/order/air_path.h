@@ -28,4 +28,8 @@ double airPathMm(const std::vector<Stop>& order);
 std::vector<Stop> shortened(std::vector<Stop> order,
                             const std::function<bool(const std::vector<Stop>&)>& fits, int most_questions);
 
+/// Keeps an order, and chooses in which sense each open chain is run and where each closed one begins, so
+/// that the air path is the shortest of all such choices.
+std::vector<Stop> withNearestStarts(std::vector<Stop> order);
+
 }  // namespace kerfbench::planner

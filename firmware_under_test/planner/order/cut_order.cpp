@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 
 #include "firmware_under_test/planner/motion/solve.h"
 #include "firmware_under_test/planner/order/chains.h"
@@ -120,27 +122,39 @@ std::vector<Stop> nearestOrder(const dieline::Dieline& dieline, const JobParamet
   return order;
 }
 
-std::vector<Stop> drawnOrder(const dieline::Dieline& dieline, const JobParameters& job,
-                             const PlannerFaults& faults) {
+std::map<int, std::vector<Stop>> stopsByEntity(const dieline::Dieline& dieline, const JobParameters& job,
+                                               const PlannerFaults& faults) {
   // Perforations and the beam's way beside a cut follow from more than one entity.
   std::vector<Chain> whole = joinChains(dieline, job, faults);
   for (Chain& chain : whole)
     if (chain.process == dieline::Process::kPerforation) chain.segments = dashed(chain, job);
-  std::vector<Stop> order;
+  std::map<int, std::vector<Stop>> stops;
   dieline::Dieline one;
   for (const dieline::Entity& entity : dieline.entities) {
+    std::vector<Stop>& of_entity = stops[entity.id];
     const bool has_bridges = entity.process == dieline::Process::kPerforation;
     if (!has_bridges && job.kerf_radius_mm == 0.0) {
       one.entities = {entity};
-      for (Chain& chain : joinChains(one, job, faults)) order.push_back({std::move(chain), 0});
+      for (Chain& chain : joinChains(one, job, faults)) of_entity.push_back({std::move(chain), 0});
       continue;
     }
     for (const Chain& chain : whole) {
       for (Chain& stretch : stretchesOf(chain, [&](int id) { return id == entity.id; })) {
         if (runsAgainst(stretch.segments, entity.curve)) stretch.segments = reversedPath(stretch.segments);
-        order.push_back({std::move(stretch), 0, has_bridges});
+        of_entity.push_back({std::move(stretch), 0, has_bridges});
       }
     }
+  }
+  return stops;
+}
+
+std::vector<Stop> drawnOrder(const dieline::Dieline& dieline, const JobParameters& job,
+                             const PlannerFaults& faults) {
+  std::map<int, std::vector<Stop>> stops = stopsByEntity(dieline, job, faults);
+  std::vector<Stop> order;
+  for (const dieline::Entity& entity : dieline.entities) {
+    std::ranges::move(stops[entity.id], std::back_inserter(order));
+    stops[entity.id].clear();
   }
   return order;
 }

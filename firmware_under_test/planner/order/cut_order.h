@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "firmware_under_test/planner/geometry/segment.h"
@@ -29,6 +30,11 @@ struct OrderOptions {
 /// before outlines, and on a moving sheet what leaves the field first.
 std::vector<Stop> nearestOrder(const dieline::Dieline& dieline, const JobParameters& job,
                                const PlannerFaults& faults, const OrderOptions& options);
+
+/// Stops of each entity by its id, in the sense of the drawing; with a kerf radius they may be several, and
+/// none where the entity is lost.
+std::map<int, std::vector<Stop>> stopsByEntity(const dieline::Dieline& dieline, const JobParameters& job,
+                                               const PlannerFaults& faults);
 
 /// Keeps entities in the order and sense of the drawing. With a kerf radius each has its part of the beam's
 /// path round the whole outline; an arc round a corner belongs to one of the two lines that meet there.

@@ -14,6 +14,7 @@
 #include "firmware_under_test/planner/head/correction.h"
 #include "firmware_under_test/planner/motion/solve.h"
 #include "firmware_under_test/planner/order/cut_order.h"
+#include "firmware_under_test/planner/order/hand_order.h"
 #include "firmware_under_test/planner/program/check.h"
 #include "firmware_under_test/planner/program/job_issues.h"
 #include "firmware_under_test/planner/program/program.h"
@@ -38,13 +39,12 @@ constexpr int kMostQuestions = 300;
 
 /// Refuses drawings that no sheet can hold, or with too much to be put in order.
 void requireSane(const dieline::Dieline& dieline) {
-  constexpr std::size_t kMostEntities = 20'000;
   constexpr double kFarthestMm = 1e5;
   std::string faults;
   int count = 0;
-  if (dieline.entities.size() > kMostEntities)
+  if (dieline.entities.size() > kMostOrdered)
     throw PlanError(fmt::format("the drawing holds {} entities; {} can be put in order",
-                                dieline.entities.size(), kMostEntities));
+                                dieline.entities.size(), kMostOrdered));
   for (const dieline::Entity& entity : dieline.entities) {
     if (dieline::drawnFor(entity) == dieline::Process::kIgnore) continue;
     double farthest = 0.0;
@@ -96,6 +96,28 @@ std::vector<std::string> processNames(const dieline::Dieline& dieline) {
   return names;
 }
 
+/// G-code in the given order. On a moving sheet the senses in which the entities are drawn may fit where the
+/// shortest way does not.
+std::string gcodeByHand(const dieline::Dieline& dieline, const MachineParameters& machine,
+                        const JobParameters& job, const PlannerFaults& faults) {
+  if (const auto wrong = orderFaults(dieline, job.given_order); !wrong.empty())
+    throw PlanError(fmt::format("order: {}", fmt::join(wrong, "\norder: ")));
+  const auto write = [&](Senses senses) {
+    return needed(
+        writeGcode(piecesOf(handOrder(dieline, job, faults, senses), job), processNames(dieline)));
+  };
+  std::string shortest = write(Senses::kNearest);
+  if (speedWhileCutting(job) <= 0.0) return shortest;
+  const Axes axes(machine, faults);
+  const auto highest = [&](const std::string& gcode) {
+    return maxBeltSpeed(unitOf(readGcode(gcode)), machine, job, axes);
+  };
+  const double speed = highest(shortest);
+  if (speed >= job.belt_speed_mm_s) return shortest;
+  std::string drawn = write(Senses::kDrawn);
+  return highest(drawn) > speed ? drawn : shortest;
+}
+
 }  // namespace
 
 std::string makeGcode(const dieline::Dieline& dieline, const MachineParameters& machine,
@@ -106,6 +128,7 @@ std::string makeGcode(const dieline::Dieline& dieline, const MachineParameters& 
     return writeGcode(piecesOf(order, job), processNames(dieline));
   };
   if (job.order == JobParameters::Order::kDrawn) return needed(write(drawnOrder(dieline, job, faults)));
+  if (job.order == JobParameters::Order::kGiven) return gcodeByHand(dieline, machine, job, faults);
   std::vector<Stop> order = nearestOrder(dieline, job, faults, OrderOptions{});
   std::string best = needed(write(order));
   if (speedWhileCutting(job) <= 0.0) {
