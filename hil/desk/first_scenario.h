@@ -21,7 +21,4 @@ struct NewScenario {
 /// @throws base::InputError, DielineError, ConfigError where drawing or machine cannot be used.
 std::string firstScenario(const NewScenario& wish, const DeskRequest& request);
 
-/// POST /api/new: gives {"path", "text"}, path by DeskRequest::name_of. Nothing is written.
-std::string newScenarioJson(const NewScenario& wish, const DeskRequest& request);
-
 }  // namespace kerfbench::desk

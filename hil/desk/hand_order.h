@@ -8,12 +8,15 @@
 
 namespace kerfbench::desk {
 
-/// POST /api/order: {"order": [id …]} is written into the scenario as `planner.order: [3, 0, "5-8"]`; an
-/// empty list takes it out again. Gives {"text", "order": [id …], "issues": […]}; order is the whole one, as
-/// it would be cut; issues as of checkJson(): errors where the order is not sound (an entity that is not cut,
-/// twice, or forgotten), warnings where it is doubtful (a hole after the outline around it, a crease after
-/// cuts).
-/// @throws base::InputError for a scenario or drawing that cannot be read.
+/// An order as `planner.order` has it: ascending neighbours as ranges, "[3, 0, 5-8]" without the brackets as
+/// a list of texts.
+std::vector<std::string> orderWords(const std::vector<int>& order);
+
+/// POST /api/order: writes `planner.order: [3, 0, 5-8]` into the scenario, or takes it out where `order` is
+/// empty. Gives {"text", "order": [id …], "issues": […]}: order is the whole one as it would be cut, by the
+/// planner where none is given; issues are those of checkJson(): errors where the order is not one of this
+/// drawing (an entity that is not cut, twice, forgotten), warnings where it is doubtful (a hole or a crease
+/// after the outline around it). @throws base::InputError for a text that cannot be edited.
 std::string orderJson(const ScenarioText& scenario, const std::vector<int>& order,
                       const DeskRequest& request);
 

@@ -375,6 +375,21 @@ std::string edited(const std::string& text, const std::vector<KeyEdit>& edits) {
   return has_mark ? std::string(kByteOrderMark) + result : result;
 }
 
+ordered_json valueIn(const std::string& text, std::string_view path) {
+  try {
+    const YamlPart root = layoutOf(text);
+    const YamlPart* at = &root;
+    for (const std::string& name : keyPathFrom(path)) {
+      const YamlPart::Entry* const entry = at->find(name);
+      if (entry == nullptr) return nullptr;
+      at = &entry->value;
+    }
+    return valueOf(*at);
+  } catch (const YAML::Exception& error) {
+    throw base::InputError(fmt::format("line {}: {}", error.mark.line + 1, error.msg));
+  }
+}
+
 std::string editJson(const std::string& body) {
   const ordered_json request = ordered_json::parse(body, nullptr, false);
   if (!request.is_object() || !request.contains("text") || !request["text"].is_string() ||

@@ -33,6 +33,9 @@ std::vector<std::string> keyPathFrom(std::string_view words);
 /// through a value that is none, a key given twice, aliases.
 std::string edited(const std::string& text, const std::vector<KeyEdit>& edits);
 
+/// Value of a key of a YAML text; null where it is not there. @throws base::InputError as edited().
+nlohmann::ordered_json valueIn(const std::string& text, std::string_view path);
+
 /// POST /api/edit: {"text", "set": [{"path": "belt.speed_mm_s", "value": 60}]} gives {"text"}. A path may
 /// also be a list of names, for those that hold points: ["layers", "a.b"].
 /// @throws base::InputError as edited(), and for a body that is not this.

@@ -18,6 +18,7 @@
 #include "hil/machine_file/machine_file.h"
 #include "hil/scenario/scenario.h"
 #include "tests/hil/base/temp_folder.h"
+#include "tests/hil/desk/desk_request_here.h"
 
 namespace kerfbench::desk {
 namespace {
@@ -25,12 +26,11 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const fs::path kBin = fs::path(KERFBENCH_BINARY_DIR) / "bin";
-
 /// Keys of a page by their whole path, under each of their prefixes.
 std::map<std::string, ReferenceKey> keysOf(const std::string& page) {
   std::map<std::string, ReferenceKey> keys;
-  for (const ReferenceSection& section : referenceSections(base::contentOf(referencePage(page, kBin))))
+  for (const ReferenceSection& section :
+       referenceSections(base::contentOf(referencePage(page, kRequest.bin_dir))))
     for (const std::string& prefix : section.prefixes)
       for (const ReferenceKey& key : section.keys) keys[prefix + key.key] = key;
   return keys;
@@ -197,7 +197,7 @@ TEST(ReferenceKeys, ARowThatIsNotUnderstoodIsRefusedByName) {
 }
 
 TEST(ReferenceKeys, TheAnswerHasEverySectionWithHelpAsPlainElements) {
-  const json answer = json::parse(referenceJson("scenario", kBin));
+  const json answer = json::parse(referenceJson("scenario", kRequest.bin_dir));
   std::set<std::string> paths;
   for (const json& section : answer["sections"]) {
     for (const json& key : section["keys"]) {
@@ -211,7 +211,7 @@ TEST(ReferenceKeys, TheAnswerHasEverySectionWithHelpAsPlainElements) {
   EXPECT_GT(paths.size(), 150U);
   EXPECT_TRUE(paths.contains("belt.speed_mm_s"));
   EXPECT_TRUE(paths.contains("planner.faults.skip_entity"));
-  EXPECT_THROW((void)referenceJson("../machine", kBin), base::InputError);
+  EXPECT_THROW((void)referenceJson("../machine", kRequest.bin_dir), base::InputError);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "hil/run/controller_fit.h"
 #include "hil/scenario/case.h"
 #include "tests/hil/base/temp_folder.h"
+#include "tests/hil/desk/desk_request_here.h"
 
 namespace kerfbench::desk {
 namespace {
@@ -24,10 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const fs::path kBuild = KERFBENCH_BINARY_DIR;
-
 json check(const std::string& text, const fs::path& file) {
-  return json::parse(checkJson({text, file}, {.bin_dir = kBuild / "bin"}));
+  return json::parse(checkJson({text, file}, kRequest));
 }
 
 /// What a run says of a scenario before it begins; nothing where it would begin.
