@@ -20,6 +20,8 @@ void addTrace(CLI::App& app, const cli::CliProgram& program, cli::CliActions& ac
 /// The release test of a plan.
 void addSuite(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 void addDoctor(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
+/// new, edit, plan.
+void addDesk(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 /// --unit, --scale, --turn, --shift and --layer of a command that reads drawings.
 void addReadingOptions(CLI::App& command, dieline::DrawingArguments& arguments);
 

@@ -10,6 +10,7 @@
 
 #include "hil/app/ci_variable.h"
 #include "hil/app/cli.h"
+#include "hil/app/desk_command.h"
 #include "hil/app/diagnose_command.h"
 #include "hil/app/fold_command.h"
 #include "hil/app/lint_command.h"
@@ -229,7 +230,13 @@ void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
       "Have a second reader (ezdxf, svgelements, MuPDF) read the drawing too, and say where it parts:\n"
       "length and box of each layer and process, to 1 um");
   lint->add_flag("--quiet,-q", options->quiet, "Only what is wrong");
-  actions.add(lint, [=] { return lintCommand(*files, *image, *drawings, *options); });
+  const auto as_json = std::make_shared<bool>(false);
+  lint->add_flag(
+      "--json", *as_json,
+      "Of scenarios: a line of JSON for each, with all that is wrong and its place, drawing and values");
+  actions.add(lint, [=, bin_dir = program.bin_dir] {
+    return *as_json ? checkCommand(*files, bin_dir) : lintCommand(*files, *image, *drawings, *options);
+  });
 }
 
 /// Commands of other programs: only their names are here.
@@ -255,6 +262,7 @@ void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) 
   addRecordFrames(app, program, actions);
   addCapture(app, program, actions);
   addLint(app, program, actions);
+  addDesk(app, program, actions);
   addDoctor(app, program, actions);
   addShow(app, program, actions);
   addHandedOver(app, program, actions);

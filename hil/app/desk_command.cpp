@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/desk_command.h"
+
+#include <cstdio>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "firmware_under_test/planner/job/job.h"
+#include "firmware_under_test/planner/preview/preview.h"
+#include "hil/base/atomic_file.h"
+#include "hil/base/console.h"
+#include "hil/base/exit_codes.h"
+#include "hil/base/file_content.h"
+#include "hil/base/input_error.h"
+#include "hil/base/yaml_reader.h"
+#include "hil/desk/first_scenario.h"
+#include "hil/desk/job_plan.h"
+#include "hil/desk/scenario_check.h"
+#include "hil/desk/scenario_edit.h"
+#include "hil/dieline/read.h"
+#include "hil/scenario/case.h"
+
+namespace kerfbench::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string textOfFile(const fs::path& file) {
+  auto text = base::fileContent(file);
+  if (!text) throw base::InputError("cannot read " + file.string());
+  return *std::move(text);
+}
+
+void printLine(std::FILE* out, const std::string& line) { std::fputs((line + "\n").c_str(), out); }
+
+/// Runs an action; faults of the user's files go to standard error.
+template <typename Do>
+int guarded(const Do& action) {
+  const auto refuse = [](const std::exception& error) {
+    printLine(stderr, error.what());
+    return base::kExitInput;
+  };
+  try {
+    return action();
+  } catch (const base::ConfigError& error) {
+    return refuse(error);
+  } catch (const base::InputError& error) {
+    return refuse(error);
+  } catch (const dieline::DielineError& error) {
+    return refuse(error);
+  } catch (const planner::PlanError& error) {
+    return refuse(error);
+  }
+}
+
+desk::DeskRequest requestOn(base::Console& console, const fs::path& bin_dir) {
+  return {.bin_dir = bin_dir, .progress = base::progressOn(console)};
+}
+
+void printIssues(const json& issues, const fs::path& scenario) {
+  for (const json& issue : issues) {
+    const std::string file = issue.value("file", "");
+    const int line = issue.value("line", 0);
+    const bool is_gcode = issue.value("source", "") == "gcode";
+    std::string place = is_gcode ? "" : (file.empty() ? scenario.string() : file);
+    if (!is_gcode && line > 0) place += fmt::format(":{}", line);
+    const std::string key = issue.value("key", "");
+    printLine(stderr, fmt::format("{}{}{}{}{}", place, place.empty() ? "" : ": ",
+                                  issue["severity"] == "warning" ? "warning: " : "",
+                                  key.empty() ? "" : key + ": ", issue["message"].get<std::string>()));
+  }
+}
+
+/// The page that plays the program, for a scenario that fits.
+std::string previewPage(const PlanOptions& options, const std::string& text, const std::string& gcode) {
+  const scenario::Case whole =
+      scenario::caseOf(scenario::draftScenario(fs::absolute(options.scenario), text,
+                                               {options.bin_dir.parent_path() / "firmware"})
+                           .scenario);
+  return planner::previewHtml(whole.scenario.title.empty() ? whole.scenario.name : whole.scenario.title,
+                              gcode, scenario::targetedMachine(whole), scenario::plannerJob(whole),
+                              whole.scenario.planner_faults);
+}
+
+/// A value as it stands behind "key: " in YAML.
+nlohmann::ordered_json yamlValue(const std::string& words) {
+  if (!base::isYamlValue(words)) throw base::InputError(fmt::format("'{}' is no value of YAML", words));
+  return desk::valueIn(fmt::format("key: {}\n", words), "key");
+}
+
+desk::KeyEdit settingFrom(const std::string& words) {
+  const std::size_t at = words.find('=');
+  if (at == std::string::npos)
+    throw base::InputError(fmt::format("'{}': expected KEY=VALUE, as belt.speed_mm_s=60", words));
+  return {desk::keyPathFrom(words.substr(0, at)), yamlValue(words.substr(at + 1))};
+}
+
+}  // namespace
+
+int planCommand(const PlanOptions& options) {
+  return guarded([&] {
+    base::Console console(options.as_json);
+    const std::string text = textOfFile(options.scenario);
+    std::optional<std::string> gcode;
+    if (!options.gcode.empty()) gcode = textOfFile(options.gcode);
+    const std::string answer = desk::planJson({text, fs::absolute(options.scenario).lexically_normal()},
+                                              gcode, requestOn(console, options.bin_dir));
+    console.endProgress();
+    const json plan = json::parse(answer);
+    if (options.as_json) printLine(stdout, answer);
+    if (!options.as_json) printIssues(plan["issues"], options.scenario);
+    if (!options.gcode_out.empty())
+      base::writeFileAtomically(options.gcode_out, plan["gcode"].get<std::string>());
+    if (!plan["fits"]) return base::kExitInput;
+    if (!options.preview_out.empty())
+      base::writeFileAtomically(options.preview_out, previewPage(options, text, plan["gcode"]));
+    if (options.as_json) return 0;
+    const json& facts = plan["facts"];
+    printLine(stdout,
+              fmt::format("{}: fits: a unit takes {:.4f} s, {:.1f} mm of marks and {:.1f} mm of jumps; {} "
+                          "periods, {} operations for {} unit{}\ncontroller: {}",
+                          options.scenario.string(), facts["unit_time_s"].get<double>(),
+                          facts["cut_length_mm"].get<double>(), facts["jump_length_mm"].get<double>(),
+                          facts["periods"].get<std::size_t>(), facts["operations"].get<std::size_t>(),
+                          facts["units"].get<int>(), facts["units"] == 1 ? "" : "s",
+                          facts["controller"].get<std::string>()));
+    return 0;
+  });
+}
+
+int newCommand(const NewOptions& options) {
+  return guarded([&] {
+    std::error_code error;
+    if (fs::exists(options.out, error)) throw base::InputError(options.out.string() + " is there already");
+    base::Console console(false);
+    const std::string text = desk::firstScenario(
+        {fs::absolute(options.drawing), fs::absolute(options.machine), fs::absolute(options.out)},
+        requestOn(console, options.bin_dir));
+    console.endProgress();
+    base::writeFileAtomically(options.out, text);
+    printLine(stdout, options.out.string());
+    return 0;
+  });
+}
+
+int editCommand(const EditOptions& options) {
+  return guarded([&] {
+    std::vector<desk::KeyEdit> edits;
+    for (const std::string& words : options.set) edits.push_back(settingFrom(words));
+    for (const std::string& key : options.remove) edits.push_back({desk::keyPathFrom(key), nullptr});
+    const std::string text = textOfFile(options.scenario);
+    const std::string changed = desk::edited(text, edits);
+    if (changed != text) base::writeFileAtomically(options.scenario, changed);
+    return 0;
+  });
+}
+
+int checkCommand(const std::vector<fs::path>& scenarios, const fs::path& bin_dir) {
+  return guarded([&] {
+    int code = 0;
+    base::Console console(true);
+    for (const fs::path& file : scenarios) {
+      const std::string answer = desk::checkJson({textOfFile(file), fs::absolute(file).lexically_normal()},
+                                                 requestOn(console, bin_dir));
+      printLine(stdout, answer);
+      if (!json::parse(answer)["fits"]) code = base::kExitInput;
+    }
+    return code;
+  });
+}
+
+}  // namespace kerfbench::app
