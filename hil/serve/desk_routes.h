@@ -27,8 +27,19 @@ class DeskRoutes {
   Answer check(const Asked& asked);
   /// POST /api/edit, the body as hil/desk has it.
   Answer edit(const Asked& asked);
+  /// POST /api/plan {"scenario_text", "path", "gcode"}
+  Answer plan(const Asked& asked);
+  /// POST /api/order {"scenario_text", "path", "order": [id …]}
+  Answer order(const Asked& asked);
+  /// POST /api/new {"drawing", "machine", "name"}: a first scenario for a drawing, or {"from", "text",
+  /// "name"}: a copy of a scenario, as its text stands in the editor. Both are written, under a name that is
+  /// free.
+  Answer create(const Asked& asked);
 
  private:
+  /// "jobs/NAME.yaml", with a number where that is there already.
+  std::string freeName(const std::string& folder, const std::string& wanted) const;
+
   /// JSON by the desk; what it refuses is told with status 400.
   Answer byDesk(const std::function<std::string()>& work);
 

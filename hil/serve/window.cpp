@@ -113,6 +113,8 @@ const std::vector<Window::Route>& Window::routes() {
       {"GET", "/api/runs", &Window::listRuns},        {"GET", "/api/trace", &Window::traceFile},
       {"GET", "/api/reference", &Window::reference},  {"POST", "/api/check", &Window::check},
       {"POST", "/api/edit", &Window::edit},           {"GET", "/api/service", &Window::service},
+      {"POST", "/api/plan", &Window::plan},           {"POST", "/api/order", &Window::order},
+      {"POST", "/api/new", &Window::create},
   };
   return kRoutes;
 }

@@ -71,6 +71,9 @@ class Window final : public Host {
   Answer reference(const Asked& asked) { return desk_.reference(asked); }
   Answer check(const Asked& asked) { return desk_.check(asked); }
   Answer edit(const Asked& asked) { return desk_.edit(asked); }
+  Answer plan(const Asked& asked) { return desk_.plan(asked); }
+  Answer order(const Asked& asked) { return desk_.order(asked); }
+  Answer create(const Asked& asked) { return desk_.create(asked); }
 
   /// An answer that goes on. @throws Refusal 503 if there are kMostStreams already.
   Answer streamed(std::unique_ptr<AnswerBody> body, const std::string& type);

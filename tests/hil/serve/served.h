@@ -51,9 +51,12 @@ class Served {
  public:
   explicit Served(const InstalledBench& bench, const DoorLimits& limits = {},
                   const std::string& address = "127.0.0.1")
+      : Served(bench, bench.path("bin"), limits, address) {}
+  /// With the programs, releases and examples of another bench.
+  Served(const InstalledBench& bench, const std::filesystem::path& bin_dir, const DoorLimits& limits = {},
+         const std::string& address = "127.0.0.1")
       : door_({address, 0}, limits),
-        window_({bench.work(), bench.path("bin"), bench.path("window"), shippedFolders(bench.path("bin"))},
-                door_.address(),
+        window_({bench.work(), bin_dir, bench.path("window"), shippedFolders(bin_dir)}, door_.address(),
                 [this](const std::string& token) {
                   const std::lock_guard lock(mutex_);
                   tokens_.push_back(token);
