@@ -237,10 +237,28 @@ test('findings of drawing and plan are one list, accepted ones left out', () => 
   assert.deepEqual(
     items.map((i) => [i.number, i.place]),
     [
-      [1, 'E3'],
+      [1, 'line 9 of the drawing'],
       [2, 'line 9 of the drawing'],
       [3, 'G-code, line 4'],
     ],
   );
   assert.equal(headOf(s, items), '2 faults, 1 note');
+  assert.notEqual(S.whyNotStart(s), '', 'a fault of the drawing keeps the job from running');
+});
+
+test('every error is told somewhere: beside its field, or where the scenario is chosen', () => {
+  const reference = [{ title: 'Belt', keys: [{ path: 'belt.speed_mm_s' }] }];
+  const issue = (key, file = '') => ({ key, file, severity: 'error', message: key });
+  const issues = [
+    issue('belt.speed_mm_s'),
+    issue('planer'),
+    issue('machine'),
+    issue(''),
+    issue('layers.X'),
+    issue('kind', 'm.yaml'),
+  ];
+  const told = (drawing) =>
+    S.unplaced(S.answered({ ...open(), reference }, 'check', { issues, drawing })).map((i) => i.message);
+  assert.deepEqual(told({ entities: [] }), ['planer', '', 'kind']);
+  assert.deepEqual(told(null), ['planer', '']);
 });

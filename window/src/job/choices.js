@@ -96,16 +96,17 @@ function pickScenario(box, store, actions) {
   });
   watch(
     store,
-    (s) => [s.files, s.job?.path, s.check],
+    (s) => [s.files, s.job?.path, s.check, s.reference],
     (s) => {
       fillSelect(select, optionsOf(s.files.scenarios), s.job?.path ?? '', s.job ? '' : 'Choose one…');
-      const general = (s.check.value?.issues ?? []).filter(
-        (/** @type {any} */ i) => (i.key ?? '') === '' && (i.file ?? '') === '' && (i.severity ?? 'error') === 'error',
-      );
+      const placeOf = (/** @type {any} */ i) =>
+        i.file ? `${i.file}${i.line ? `:${i.line}` : ''}: ` : i.line ? `Line ${i.line}: ` : '';
       wrong(
         s.check.state === 'failed'
           ? (s.check.fault?.message ?? '')
-          : general.map((/** @type {any} */ i) => (i.line ? `Line ${i.line}: ${i.message}` : i.message)).join(' '),
+          : S.unplaced(s)
+              .map((i) => placeOf(i) + i.message)
+              .join(' '),
       );
     },
   );

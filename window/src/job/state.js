@@ -191,6 +191,22 @@ export function issuesByKey(state) {
   return of;
 }
 
+/** Keys whose faults stand beside a choice of the page. */
+const isChoice = (/** @type {string} */ key) => /^(dieline|machine|layers|firmware)(\.|$)/.test(key);
+
+/** Errors that have no place beside a field: of other files, of keys that nobody knows, of the text as such. @param {State} state @returns {Issue[]} */
+export function unplaced(state) {
+  const known = new Set(state.reference.flatMap((section) => section.keys.map((/** @type {any} */ key) => key.path)));
+  const { issues = [], drawing = null } = state.check.value ?? {};
+  return issues.filter((/** @type {any} */ issue) => {
+    if ((issue.severity ?? 'error') !== 'error') return false;
+    // Faults of a drawing that cannot be read stand beside it.
+    if ((issue.file ?? '') !== '') return drawing !== null;
+    const key = issue.key ?? '';
+    return key === '' || !(known.has(key) || isChoice(key));
+  });
+}
+
 /** Is the job planned by the reference planner? A firmware that takes G-code line by line, or holds its job, needs none. @param {State} state */
 export const isPlanned = (state) => (state.check.value?.values?.['firmware.dialog'] ?? 'kerfbench') === 'kerfbench';
 
@@ -198,7 +214,8 @@ export const isPlanned = (state) => (state.check.value?.values?.['firmware.dialo
 export function obstacles(state) {
   const errors = (/** @type {Issue[]} */ list) => list.filter((i) => (i.severity ?? 'error') === 'error');
   const { check, plan } = state;
-  const of_check = errors(check.value?.issues ?? []);
+  const findings = (check.value?.drawing?.findings ?? []).filter((/** @type {Finding} */ f) => !f.accepted);
+  const of_check = [...errors(check.value?.issues ?? []), ...errors(findings)];
   // A job that cannot be read cannot be planned either; its faults are not told twice.
   if (of_check.length > 0) return of_check;
   const faults = [check, ...(isPlanned(state) ? [plan] : [])]

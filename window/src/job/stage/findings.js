@@ -21,11 +21,8 @@ export function itemsOf(s) {
     where: f.where_mm ?? null,
     entities: f.entities ?? [],
     line: null,
-    place: f.entities?.length
-      ? f.entities.map((/** @type {number} */ id) => `E${id}`).join(', ')
-      : f.line
-        ? `line ${f.line} of the drawing`
-        : '',
+    // Most messages name their entities themselves.
+    place: /\bE\d/.test(f.message) || !f.line ? '' : `line ${f.line} of the drawing`,
   }));
   const job = (s.plan.value?.issues ?? []).map((/** @type {any} */ i) => ({
     severity: i.severity ?? 'error',
