@@ -35,7 +35,7 @@ export function mountMachine(stage, store) {
 
 /**
  * three.js is fetched only when somebody wants to see the machine. What was closed before it was there stays closed.
- * @param {Element} holder @param {string} id @param {import('../page.js').Store} store
+ * @param {HTMLElement} holder @param {string} id @param {import('../page.js').Store} store
  */
 async function showLive(holder, id, store) {
   try {
