@@ -83,6 +83,8 @@ export function createActions(store) {
       if (!state.job) return;
       const fresh = state.check.state === 'none';
       const { text: scenario_text, path, gcode } = state.job;
+      // From now on what was said of the text before does not hold: nothing is to be started by it.
+      update((s) => S.asked(S.asked(s, 'check'), 'plan'));
       // At once for a scenario that was just opened; while somebody types, when he pauses.
       settling = setTimeout(
         () => {
@@ -275,11 +277,14 @@ export function createActions(store) {
     if (S.isChanged(job()) && !(await save())) return;
     const now = job();
     if (!now) return;
+    // The verdict of the run before goes at once, so that nobody takes it for this one's.
+    update(S.having({ run: runBegun({ id: '', state: 'starting' }, now.path), notice: null, playing: false }));
     try {
       const answer = await sendJson('/api/runs', { scenario: now.path, trace: true });
-      update(S.having({ run: runBegun(answer, now.path), notice: null, playing: false }));
+      update(S.having({ run: runBegun(answer, now.path) }));
       follow(String(answer.id));
     } catch (error) {
+      update(S.having({ run: null }));
       complain(error);
     }
   }

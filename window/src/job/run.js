@@ -10,7 +10,7 @@ const kMostLog = 500;
 export const runBegun = (answer, scenario) => ({
   id: String(answer.id),
   scenario,
-  state: answer.state ?? 'waiting',
+  state: answer.state ?? 'starting',
   command: answer.command ?? '',
   what: 'Starting',
   share: null,

@@ -85,7 +85,7 @@ function linksOf(run, store, actions) {
     return [
       h(
         'button',
-        { id: 'stop', disabled: run.stopping, on: { click: () => actions.stop() } },
+        { id: 'stop', disabled: run.stopping || run.id === '', on: { click: () => actions.stop() } },
         run.stopping ? 'Stopping…' : 'Stop',
       ),
     ];

@@ -239,4 +239,4 @@ export function whyNotStart(state) {
 }
 
 /** @param {Run} run */
-export const isGoing = (run) => run.state === 'running' || run.state === 'waiting';
+export const isGoing = (run) => ['starting', 'waiting', 'running'].includes(run.state);

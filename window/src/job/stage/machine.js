@@ -16,8 +16,10 @@ export function mountMachine(stage, store) {
     words,
   );
   stage.append(box);
-  /** @type {{ id: string, close: () => void } | null} */
-  let shown = null;
+  let id = '';
+  let turn = 0;
+  /** @type {{ close: () => void } | null} */
+  let view = null;
   watch(
     store,
     (s) => [s.stage.show, s.run?.id],
@@ -25,25 +27,29 @@ export function mountMachine(stage, store) {
       box.hidden = show !== 'machine';
       fill(words, run ? '' : 'Start a run to see the machine cut.');
       words.hidden = run !== null;
-      if (box.hidden || shown?.id === run?.id) return;
-      shown?.close();
+      if (box.hidden || id === (run?.id ?? '')) return;
+      id = run?.id ?? '';
+      view?.close();
+      view = null;
       fill(holder);
-      shown = run && (await showLive(holder, run.id, store));
+      const mine = ++turn;
+      const made = id === '' ? null : await showLive(holder, id, store);
+      if (mine === turn) view = made;
+      else made?.close();
     },
   );
 }
 
 /**
- * three.js is fetched only when somebody wants to see the machine. What was closed before it was there stays closed.
+ * three.js is fetched only when somebody wants to see the machine.
  * @param {HTMLElement} holder @param {string} id @param {import('../page.js').Store} store
  */
 async function showLive(holder, id, store) {
   try {
     const { mountLive } = await import('../../live.js');
-    const view = await mountLive(holder, id);
-    return { id, close: () => view.close() };
+    return await mountLive(holder, id);
   } catch (fault) {
     store.update(S.failed(`The machine cannot be shown: ${fault instanceof Error ? fault.message : fault}`));
-    return { id, close: () => {} };
+    return null;
   }
 }
