@@ -274,14 +274,16 @@ export function createActions(store) {
   }
 
   async function start() {
-    if (S.isChanged(job()) && !(await save())) return;
-    const now = job();
-    if (!now) return;
+    const before = job();
+    if (!before) return;
     // The verdict of the run before goes at once, so that nobody takes it for this one's.
-    update(S.having({ run: runBegun({ id: '', state: 'starting' }, now.path), notice: null, playing: false }));
+    const run = runBegun({ id: '', state: 'starting' }, before.path);
+    update(S.having({ run, notice: null, playing: false }));
     try {
-      const answer = await sendJson('/api/runs', { scenario: now.path, trace: true });
-      update(S.having({ run: runBegun(answer, now.path) }));
+      if (S.isChanged(before) && !(await save())) return update(S.having({ run: null }));
+      const scenario = job()?.path ?? before.path;
+      const answer = await sendJson('/api/runs', { scenario, trace: true });
+      update(S.having({ run: runBegun(answer, scenario) }));
       follow(String(answer.id));
     } catch (error) {
       update(S.having({ run: null }));
