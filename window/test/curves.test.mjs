@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { burntFrom, segmentsOf } from '../src/machine/burnt_paths.js';
-import { sideBySide } from '../src/panels/frames_panel.js';
+import { aroundOne, sideBySide, windowOf } from '../src/panels/frames_panel.js';
 import { speedOf, spotSpeed, thinned } from '../src/panels/series.js';
 import { joinedPins } from '../src/trace/pins.js';
 import { lastUpTo, momentOf } from '../src/trace/rows.js';
@@ -118,12 +118,22 @@ test('windows side by side do not overlap and stay within the panel', () => {
   for (let round = 0; round < 60; ++round) {
     const frames = Array.from({ length: 1 + Math.floor(7 * next()) }, () => ({ windows: [{ x_px: 0, y_px: 0, width_px: 8 + Math.floor(90 * next()), height_px: 8 + Math.floor(90 * next()) }] }));
     const [width, height] = [200 + 600 * next(), 120 + 300 * next()];
-    const boxes = sideBySide(frames, width, height).map(({ x, y, scale }, i) => ({ x, y, right: x + scale * frames[i].windows[0].width_px, low: y + scale * frames[i].windows[0].height_px }));
+    const places = round % 2 ? sideBySide(frames, width, height) : aroundOne(frames, Math.floor(frames.length * next()), width, height);
+    const boxes = places.map(({ x, y, scale }, i) => ({ x, y, right: x + scale * frames[i].windows[0].width_px, low: y + scale * frames[i].windows[0].height_px }));
     boxes.forEach((a, i) => {
       assert.ok(a.x >= 0 && a.y >= 0 && a.right <= width && a.low <= height);
       for (const b of boxes.slice(i + 1)) assert.ok(a.right <= b.x || b.right <= a.x || a.low <= b.y || b.low <= a.y);
     });
   }
+});
+
+test('the window of the spot is the one that has its pixel', () => {
+  const frames = [[0, 0], [100, 40]].map(([x_px, y_px]) => ({ windows: [{ x_px, y_px, width_px: 10, height_px: 20 }] }));
+  assert.equal(windowOf(frames, { x_px: 104.6, y_px: 59.4 }), 1);
+  assert.equal(windowOf(frames, { x_px: -0.5, y_px: 0 }), 0);
+  assert.equal(windowOf(frames, { x_px: 109.5, y_px: 50 }), -1);
+  assert.equal(windowOf(frames, { x_px: NaN, y_px: NaN }), -1);
+  assert.equal(windowOf(frames, undefined), -1);
 });
 
 test('numbers are told as people read them', () => {

@@ -33,6 +33,8 @@ export class MachineView {
   /** @type {Record<string, number> | undefined} */
   motion;
   t_s = 0;
+  /** Time of the picture that was drawn last. */
+  shown_s = NaN;
 
   /** @param {HTMLElement} element @param {Machine} machine */
   constructor(element, machine) {
@@ -81,7 +83,7 @@ export class MachineView {
     this.parts.openAbove(view === 'above', kOverBoard_mm);
     this.beam.lit.layers.set(view === 'above' ? 1 : 0);
     this.beam.off.layers.set(view === 'above' ? 1 : 0);
-    this.stage.lookAt(points, look, view === 'overall' ? 0.94 : 0.9);
+    this.stage.lookAt(points, look, view === 'overall' ? 0.98 : 0.9);
   }
 
   /** @param {boolean} on */
@@ -96,17 +98,18 @@ export class MachineView {
     this.stage.want();
   }
 
-  /** Angle of a mirror's normal to where it rests, rad: for tests. @param {string} name of the part */
-  normalOf(name) {
+  /** The plane in which the front of a flat part stands in the picture: a mirror's. @param {string} name of the part */
+  planeOf(name) {
     const view = this.parts.views.find((one) => one.part.name === name);
     if (!view) return undefined;
-    const [, , , , , , , , x, y, z] = view.object.matrix.elements;
-    return [x, y, z];
+    const m = view.object.matrixWorld.elements;
+    return { at: [m[12], m[13], m[14]], normal: [m[8], m[9], m[10]] };
   }
 
   #arrange() {
     const { machine, motion } = this;
     if (!motion) return;
+    this.shown_s = this.t_s;
     const poses = posesOf(machine.bodies, motion);
     this.parts.place(poses);
     const web_mm = [machine.web.start_x_mm + (motion.belt_mm ?? 0) + (motion.slip_x_mm ?? 0), motion.slip_y_mm ?? 0];

@@ -150,7 +150,7 @@ export class Parts {
 
   /** Corners of the parts that are as long as the machine, with every column 0: what a picture of the whole shows. @returns {Vector3[]} */
   corners() {
-    return this.views.filter(({ part }) => part.material !== 'board' && !part.repeat && !part.clip).flatMap((view) => cornersOf(view.box()));
+    return this.views.filter(({ part }) => !/^(board|axis_|light)/.test(part.material) && part.name !== 'scale bar' && !part.repeat && !part.clip).flatMap((view) => cornersOf(view.box()));
   }
 
   /** @param {Pose[]} poses displacement of each body */

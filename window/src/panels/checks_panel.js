@@ -24,7 +24,7 @@ export function checksPanel({ body, trace, timeline }) {
       h('div', { class: 'tv-check-words' }, h('span', { class: `outcome ${toneOf(check.outcome)}` }, check.outcome), ' ', h('strong', {}, check.title || check.name),
         h('span', { class: 'mute' }, ` ${check.name}`), h('p', {}, check.sentence)),
       h('div', { class: 'tv-check-size' }, h('span', { class: 'number' }, valueWords(check)),
-        time_s === null ? h('span', { class: 'mute' }, 'no moment') : h('button', { type: 'button', class: 'jump', on: { click: go } }, `at ${moment(time_s)} s`)));
+        time_s === null ? h('span', { class: 'mute' }, 'no moment') : h('button', { type: 'button', class: 'tv-jump', on: { click: go } }, `at ${moment(time_s)} s`)));
   });
   body.append(checks.length ? h('ol', { class: 'tv-checks', tabindex: '0', 'aria-label': 'Checks' }, items)
     : h('p', { class: 'tv-empty' }, trace.file.complete ? 'This run was not judged.' : 'The trace was cut off before the run was judged.'));

@@ -35,9 +35,11 @@ export function framesPanel({ body, tools, trace, timeline }) {
   /** @type {Frame[]} */
   let shown = [];
   const canvas = sharpCanvas(surface, 'Windows of the spot camera', (context, width, height, theme) => {
-    const places = whole ? inPicture(shown, width, height) : sideBySide(shown, width, height);
+    const spot = spotOf(trace, shown[0]);
+    const at = windowOf(shown, spot);
+    const places = whole ? inPicture(shown, width, height) : at < 0 ? sideBySide(shown, width, height) : aroundOne(shown, at, width, height);
     drawWindows(context, shown, places, pictures, whole);
-    drawSpot(context, shown, places, spotOf(trace, shown[0]), theme.measured);
+    if (spot && at >= 0) drawSpot(context, shown[at].windows[0], places[at], spot, theme.measured);
   });
   const update = () => {
     shown = framesAt(trace, timeline.get().t_s);
@@ -133,6 +135,21 @@ export function sideBySide(frames, width, height) {
   return frames.map((_, i) => ({ x: left + (i % columns) * cell, y: top + Math.floor(i / columns) * row, scale }));
 }
 
+/**
+ * One window as large as the height allows, the others small beside it.
+ * @param {Frame[]} frames @param {number} at which one is large @param {number} width @param {number} height @returns {Placed[]}
+ */
+export function aroundOne(frames, at, width, height) {
+  const [place] = frames[at].windows;
+  const others = frames.filter((_, i) => i !== at);
+  const share = others.length ? 0.6 : 1;
+  const scale = Math.min((height - 2 * kGap_px - kLabel_px) / place.height_px, (share * width - 2 * kGap_px) / place.width_px);
+  const used = scale * place.width_px + 2 * kGap_px;
+  const beside = sideBySide(others, width - used, height);
+  const large = { x: others.length ? kGap_px : (width - used) / 2 + kGap_px, y: (height - kLabel_px - scale * place.height_px) / 2, scale };
+  return frames.map((_, i) => (i === at ? large : { ...beside[i < at ? i : i - 1], x: used + beside[i < at ? i : i - 1].x }));
+}
+
 /** @param {CanvasRenderingContext2D} context @param {Frame[]} frames @param {Placed[]} places @param {Pictures} pictures @param {boolean} whole */
 function drawWindows(context, frames, places, pictures, whole) {
   context.font = '11px system-ui, sans-serif';
@@ -152,27 +169,30 @@ function drawWindows(context, frames, places, pictures, whole) {
     if (picture) context.drawImage(picture, x, y, scale * picture.width, scale * picture.height);
     context.strokeStyle = '#4a5462';
     context.strokeRect(x - 0.5, y - 0.5, scale * width_px + 1, scale * height_px + 1);
-    if (whole) return;
+    if (whole || context.measureText(`${x_px}, ${y_px}`).width > scale * width_px) return;
     context.fillStyle = '#a9b4c2';
     context.fillText(`${x_px}, ${y_px}`, x, y + scale * height_px + 3);
   });
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Frame[]} frames @param {Placed[]} places @param {Record<string, number> | undefined} spot @param {string} colour */
-function drawSpot(context, frames, places, spot, colour) {
-  if (!spot || !Number.isFinite(spot.x_px)) return;
-  const at = frames.findIndex(({ windows: [place] }) => spot.x_px >= place.x_px - 0.5 && spot.x_px < place.x_px + place.width_px && spot.y_px >= place.y_px - 0.5 && spot.y_px < place.y_px + place.height_px);
-  if (at < 0) return;
-  const [place] = frames[at].windows;
+/** Which window has the measured spot; -1: none. @param {Frame[]} frames @param {Record<string, number> | undefined} spot */
+export function windowOf(frames, spot) {
+  if (!spot || !Number.isFinite(spot.x_px)) return -1;
+  const inside = (/** @type {number} */ at, /** @type {number} */ from, /** @type {number} */ length) => at >= from - 0.5 && at < from + length - 0.5;
+  return frames.findIndex(({ windows: [place] }) => inside(spot.x_px, place.x_px, place.width_px) && inside(spot.y_px, place.y_px, place.height_px));
+}
+
+/** @param {CanvasRenderingContext2D} context @param {Window} place @param {Placed} placed @param {Record<string, number>} spot @param {string} colour */
+function drawSpot(context, place, placed, spot, colour) {
   // The centre of the pixel (0, 0) is at 0: its edge is half a pixel before.
-  const x = places[at].x + places[at].scale * (spot.x_px + 0.5 - place.x_px);
-  const y = places[at].y + places[at].scale * (spot.y_px + 0.5 - place.y_px);
+  const x = placed.x + placed.scale * (spot.x_px + 0.5 - place.x_px);
+  const y = placed.y + placed.scale * (spot.y_px + 0.5 - place.y_px);
   context.strokeStyle = colour;
   context.lineWidth = 1.5;
   context.beginPath();
   for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
-    context.moveTo(x + 5 * dx, y + 5 * dy);
-    context.lineTo(x + 14 * dx, y + 14 * dy);
+    context.moveTo(x + 6 * dx, y + 6 * dy);
+    context.lineTo(x + 16 * dx, y + 16 * dy);
   }
   context.stroke();
 }

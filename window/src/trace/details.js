@@ -52,6 +52,11 @@ export class Details {
     return this.#bytes;
   }
 
+  /** Whether something that was asked for has not come yet. */
+  get waiting() {
+    return this.#coming.size > 0;
+  }
+
   /** Called after a chunk has come. @param {() => void} listener @returns {() => void} ends it */
   onLoad(listener) {
     this.#listeners.add(listener);

@@ -4,7 +4,7 @@
 
 const kKey = 'kerfbench-viewer-layout';
 /** @type {Record<string, number>} */
-const kWeights = { machine: 0.39, pins: 0.4, plots: 0.21, dieline: 0.38, frames: 0.28, text: 0.34, left: 0.64, right: 0.36 };
+const kWeights = { machine: 0.43, pins: 0.39, plots: 0.18, dieline: 0.38, frames: 0.28, text: 0.34, left: 0.64, right: 0.36 };
 
 /** @param {string[]} names of the panels */
 export function layoutStore(names) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // @ts-check
-// The page that shows a trace: the one of its address, `/view?trace=PATH#t=SECONDS`, or a file that is dropped into it.
+// The page that shows a trace: the one of its address, `/view?trace=PATH#t=SECONDS`, that of a run that goes on, `/view?run=ID`, or a
+// file that is dropped into it.
 
+import { mountLive } from '../live.js';
+import { getJson } from '../shared/api.js';
 import { h, fill } from '../shared/dom.js';
 import { keepHash, mountViewer, timeOfHash } from './mount.js';
 
@@ -36,6 +39,14 @@ addEventListener('drop', (event) => {
   if (file) void show({ trace: file, name: file.name });
 });
 
-const path = new URLSearchParams(location.search).get('trace');
-if (path) await show({ trace: path, t_s: timeOfHash(location.hash) });
+/** A run that goes on; when it has ended and its trace is there, that. @param {string} id */
+function showRun(id) {
+  shown = mountLive(element, id, {
+    ended: () => void getJson(`/api/runs/${encodeURIComponent(id)}`).then((run) => run.trace && show({ trace: run.trace })),
+  });
+}
+
+const { trace, run } = Object.fromEntries(new URLSearchParams(location.search));
+if (trace) await show({ trace, t_s: timeOfHash(location.hash) });
+else if (run) showRun(run);
 else offer();

@@ -43,6 +43,7 @@ export class Viewer {
     this.strip = strip(trace, this.timeline);
     this.help = helpDialog();
     this.root = h('div', { class: 'viewer' }, this.#head(name), this.strip.element, this.#body(), this.help);
+    /** @type {any} For tests, and for who looks from the browser's console. */ (this.root).viewer = this;
     fill(element, this.root);
     this.#fillPanels();
     this.stopKeys = listenToKeys({

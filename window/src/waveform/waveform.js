@@ -2,12 +2,12 @@
 // @ts-check
 // The pins over time, as a logic analyser shows them: from the whole run to one tick.
 
-import { h, fill } from '../shared/dom.js';
+import { h, fill, say } from '../shared/dom.js';
 import { panned, zoomed } from '../time/timeline.js';
 import { sharpCanvas } from '../view/canvas.js';
 import { duration, grouped } from '../view/format.js';
 import { axisOf } from './axis.js';
-import { pulseAt } from './measure.js';
+import { levelAt, pulseAt } from './measure.js';
 import { countedEdges, drawCounts, drawEdges, edgesBetween, moves, rowsOf } from './rows.js';
 
 /** @typedef {import('../trace/trace.js').Trace} Trace */
@@ -19,6 +19,7 @@ const kRow_px = 20;
 const kGroup_px = 7;
 export const kDetail_s = 30; // Longer spans are shown by the overview.
 const kLeastTicks = 12; // The shortest span: some ticks.
+const kStill = { ticks: new Float64Array(0), levelBefore: 0 }; // A pin that never moved.
 const kFont = '11px system-ui, sans-serif';
 
 export class Waveform {
@@ -34,7 +35,8 @@ export class Waveform {
     this.surface = h('div', { class: 'tv-waveform', tabindex: '0', role: 'group', 'aria-label': 'Pins over time. Plus and minus zoom, A and B set the marks.' });
     this.#stretch();
     this.pulses = h('div', { class: 'tv-pulses', role: 'status', 'aria-label': 'Pulses at the cursor' });
-    element.append(h('div', { class: 'tv-waveform-scroll' }, this.surface), this.pulses);
+    this.levels = h('output', { class: 'tv-unseen', 'aria-label': 'Levels at the cursor' });
+    element.append(h('div', { class: 'tv-waveform-scroll' }, this.surface), this.levels, this.pulses);
     this.canvas = sharpCanvas(this.surface, 'Levels of the pins over time', (...args) => this.#draw(...args));
     this.#listen();
     this.stop = [
@@ -126,6 +128,7 @@ export class Waveform {
     const { t_s } = this.timeline.get();
     const window = this.trace.pins(t_s - 0.05, t_s + 0.05);
     const hz = machine.tick_hz;
+    say(this.levels, window ? this.rows.map(({ id, name }) => `${name} ${levelAt(window.pins.get(id) ?? kStill, t_s * hz) ? 'high' : 'low'}`).join(', ') : '');
     const items = window ? machine.drives.map((drive) => {
       const pul = window.pins.get(drive.pul);
       const dir = window.pins.get(drive.dir);
@@ -181,7 +184,7 @@ export class Waveform {
     context.clip();
     if (detail) {
       const hz = this.trace.machine.tick_hz;
-      const pin = detail.pins.get(row.id) ?? { ticks: new Float64Array(0), levelBefore: 0 };
+      const pin = detail.pins.get(row.id) ?? kStill;
       drawEdges(context, at, pin, span.from * hz, ((span.to - span.from) * hz) / at.width, theme[row.tone], theme.fg);
     } else drawCounts(context, at, parts, row.id, span, theme[row.tone], theme.fg);
     context.restore();
