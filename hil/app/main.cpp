@@ -41,6 +41,15 @@ std::shared_ptr<judge::RunOptions> commonOptions(const CliProgram& program) {
   return options;
 }
 
+/// What is wrong with a serial number; empty: nothing.
+std::string checkSerialNumber(const std::string& number) {
+  constexpr std::size_t kLongest = 64;
+  if (number.empty() || number.size() > kLongest) return fmt::format("has 1 to {} bytes", kLongest);
+  for (const char c : number)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return "has a control character";
+  return {};
+}
+
 void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
   command.add_option("--results-dir", options.results_dir, "Folder for the results")->capture_default_str();
   command.add_option("--output", options.output,
@@ -69,6 +78,10 @@ void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
   command.add_flag("--quiet,-q", options.quiet, "Only the verdict");
   command.add_option("--events", options.events,
                      "File to which a line of JSON is appended for each event of the run, as it happens");
+  command
+      .add_option("--serial-number", options.serial_number,
+                  "What is tested: a word for report, verdict.json, junit.xml and history")
+      ->check(checkSerialNumber);
   command.add_flag("--timing", options.timing, "Say where the time went");
   command.add_flag("--keep-evidence", options.keep_evidence,
                    "Keep what the diagnosis goes by, for kerfbench diagnose");

@@ -83,7 +83,7 @@ std::vector<std::string> contradictionsIn(const fs::path& folder, const Json& ve
 
 /// What a replay cannot know: who made the pins, and how it was asked to.
 Json withoutOrigin(Json verdict) {
-  for (const char* field : {"firmware", "source", "repeat_command"}) verdict.erase(field);
+  for (const char* field : {"firmware", "source", "serial_number", "repeat_command"}) verdict.erase(field);
   if (!verdict.contains("versions") || !verdict["versions"].is_object()) return verdict;
   for (const char* version : {"firmware sha256", "controller", "firmware's words"})
     verdict["versions"].erase(version);
@@ -95,6 +95,7 @@ std::vector<std::string> linesWithoutOrigin(const std::string& junit) {
   std::istringstream text(junit);
   for (std::string line; std::getline(text, line);) {
     const bool is_origin = line.find("<property name=\"firmware\"") != std::string::npos ||
+                           line.find("<property name=\"serial_number\"") != std::string::npos ||
                            line.find("<property name=\"repeat_command\"") != std::string::npos;
     if (!is_origin) lines.push_back(line);
   }

@@ -16,7 +16,8 @@
 namespace kerfbench::base {
 
 /// Value of a field of an event. A number that is not finite becomes null.
-using EventValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::int64_t>>;
+using EventValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::int64_t>,
+                                std::vector<std::string>>;
 using EventField = std::pair<std::string_view, EventValue>;
 
 /// What happens in a run, for programs that watch it: a line of JSON for each event, {"event": NAME, …},

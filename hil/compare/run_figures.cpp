@@ -58,6 +58,7 @@ class VerdictReader {
     run_.scenario = text(json_, "scenario");
     run_.machine = text(json_, "machine");
     run_.firmware = text(json_, "firmware");
+    run_.serial_number = textOr(json_, "serial_number");
     run_.verdict = text(json_, "verdict");
     run_.digest = text(json_, "digest");
     run_.inputs_digest = text(json_, "inputs_digest");

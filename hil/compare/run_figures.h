@@ -43,6 +43,7 @@ struct RunFigures {
   std::filesystem::path folder;
   std::string scenario, machine, firmware, firmware_sha256, firmware_version;
   std::string bench_version;
+  std::string serial_number;  ///< Empty: none was given, or an older bench knew none.
   std::string verdict;
   std::string digest, inputs_digest;
   std::string imperfections, twin;

@@ -100,9 +100,11 @@ std::string plots(const std::vector<HistoryRow>& rows) {
 std::vector<std::string> historyLines(const std::vector<HistoryRow>& rows) {
   std::vector<std::string> lines;
   for (const HistoryRow& r : rows) {
-    lines.push_back(fmt::format("{}  {:<10}  firmware {}  seed {}  digest {}  {}", r.run.date,
+    const std::string& serial = r.figures.serial_number;
+    lines.push_back(fmt::format("{}  {:<10}  firmware {}  seed {}  digest {}  {}{}", r.run.date,
                                 r.figures.verdict, shortSum(r.figures.firmware_sha256), r.figures.seed,
-                                shortSum(r.figures.digest), row(r)));
+                                shortSum(r.figures.digest),
+                                serial.empty() ? "" : fmt::format("serial number {}  ", serial), row(r)));
   }
   return lines;
 }
@@ -113,16 +115,16 @@ std::string historyPage(const std::vector<HistoryRow>& rows) {
   html += fmt::format("<h1>{}: its runs</h1>\n", escapeHtml(scenario));
   html +=
       "<table><thead><tr><th>run</th><th>date "
-      "(UTC)</th><th>verdict</th><th>firmware</th><th>seed</th><th>nearest to their "
+      "(UTC)</th><th>verdict</th><th>serial number</th><th>firmware</th><th>seed</th><th>nearest to their "
       "limits</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const HistoryRow& r = rows[i];
     html += fmt::format(
-        "<tr><td>{}</td><td><a href=\"{}/report.html\">{}</a></td><td>{}</td><td>{} "
+        "<tr><td>{}</td><td><a href=\"{}/report.html\">{}</a></td><td>{}</td><td>{}</td><td>{} "
         "<code>{}</code></td><td>{}</td><td>{}</td></tr>\n",
         i + 1, escapeHtml(r.run.folder.filename().string()), r.run.date, escapeHtml(r.figures.verdict),
-        escapeHtml(r.figures.firmware), shortSum(r.figures.firmware_sha256), r.figures.seed,
-        escapeHtml(row(r)));
+        escapeHtml(r.figures.serial_number), escapeHtml(r.figures.firmware),
+        shortSum(r.figures.firmware_sha256), r.figures.seed, escapeHtml(row(r)));
   }
   html += "</tbody></table>\n" + report::htmlSection("Checks over the runs", plots(rows));
   html += report::kHtmlPageEnd;

@@ -54,6 +54,7 @@ report::RunReport reportOf(const scenario::Case& test_case, const run::RecordedR
   report.firmware = conclusion.firmware;
   report.source_id = conclusion.source_id;
   report.repeat_command = options.command_line;
+  report.serial_number = options.serial_number;
   report.seed = scenario.seed;
   report.virtual_s = run.recording.rate.seconds(run.recording.end);
   report.versions = {{"kerfbench", base::version()}};

@@ -24,6 +24,7 @@ struct RunOptions {
   bool keep_evidence{};           ///< Whether the evidence of the diagnosis goes into the results folder.
   bool trace{};                   ///< Whether the run is written as a trace, for people.
   int trace_frames{50};           ///< Every Nth frame of the spot camera goes into it; 0: none.
+  std::string serial_number;      ///< What is tested; nothing is judged by it.
   std::filesystem::path bin_dir;  ///< Where kerfbench and its children are.
   std::string command_line;       ///< As typed, for the report.
 };

@@ -18,6 +18,7 @@ source::PinCapture captureAnalyserCase(const scenario::Case& test_case, source::
   console.say(fmt::format(
       "  listening to {} channels by {} at {} Hz: start the job; it is over when they are quiet for {} s",
       options.signals.size(), choice.driver, choice.samplerate_hz, options.quiet_s));
+  console.event("operator", {{"text", "Start the job at the machine."}});
   try {
     source::PinCapture captured = source::captureAnalyser(options, test_case.machine.signals, analysers);
     tellCapture(captured, console);

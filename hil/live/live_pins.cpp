@@ -10,6 +10,7 @@
 
 #include "hil/judge/controller_evidence.h"
 #include "hil/live/pin_capture.h"
+#include "hil/live/pin_watch.h"
 #include "hil/run/live_model.h"
 #include "hil/run/lockstep.h"
 #include "hil/run/release.h"
@@ -57,6 +58,9 @@ void announce(const source::GpioLiveOptions& live, const scenario::FirmwareChoic
                         "for {} s",
                         live.in.quiet_s)
           : fmt::format("  talking to the controller on {}", firmware.gpio.uart));
+  console.event("operator",
+                {{"text", live.ends_when_quiet ? "Start the job at the machine: the sheet is on its way."
+                                               : "Keep clear of the machine: it gets its job from here."}});
 }
 
 /// Pins, sensors and words of the run in one recording.
@@ -109,8 +113,14 @@ LivePins runLive(const scenario::Case& test_case, const twin::SampledMachine& sa
     std::unique_ptr<source::SerialLine> uart = openUart(scenario.firmware, pins);
     source::GpioLiveSource source(options, test_case.machine.signals, pins.gpio, std::move(uart));
     announce(options, scenario.firmware, console);
+    PinWatch watch(test_case.machine.signals, source::GpioLiveSource::kRate, console.events());
     run::LockstepOptions lockstep;
     lockstep.time_limit_s = scenario.time_limit_s;
+    if (watch.isWatched())
+      lockstep.heard = [&watch, &source](Tick until, std::span<const PinEvent> events) {
+        watch.heard(until, events);
+        watch.lagged(source.worstLag_ns());
+      };
     // Without progress on the terminal: writing there can take longer than a quantum.
     run::RecordedRun run =
         run::runLockstep(source, model, test_case.machine.signals, job.dialog.get(), lockstep, {});

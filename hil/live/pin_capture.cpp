@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/live/pin_watch.h"
 #include "hil/run/release.h"
 #include "hil/scenario/gpio_choice.h"
 #include "hil/scenario/pul_axes.h"
@@ -25,6 +26,13 @@ source::PinCapture captureCase(const scenario::Case& test_case,
     console.say(
         fmt::format("  listening to {} lines of {}: start the job; it is over when they are quiet for {} s",
                     options.wires.size(), options.chip.string(), options.quiet_s));
+    PinWatch watch(test_case.machine.signals, source::kNanoseconds, console.events());
+    if (watch.isWatched())
+      options.heard = [&watch, wires = options.wires](std::uint64_t now_ns,
+                                                      std::span<const source::LineEdge> edges) {
+        watch.heard(now_ns, edges, wires);
+      };
+    console.event("operator", {{"text", "Start the job at the machine."}});
     source::PinCapture captured = source::capturePins(options, test_case.machine.signals, system);
     tellCapture(captured, console);
     return captured;

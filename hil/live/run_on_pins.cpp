@@ -132,6 +132,8 @@ int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge
   } else {
     recorded = hearPins(test_case, pins, console).recording;
   }
+  for (const std::string& problem : recorded.problems) console.event("problem", {{"text", problem}});
+  console.event("operator", {{"text", "Leave the board where it lies until the verdict is there."}});
   conclusion.source_id = fmt::format("{}, stamps within {:.4g} us{}", pinsName(firmware),
                                      1e6 * recorded.rate.seconds(recorded.stamp_err_ticks), driven);
   try {

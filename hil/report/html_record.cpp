@@ -47,6 +47,7 @@ std::string recordSection(const RunReport& report, const Digests& digests) {
   html += htmlRow("With the reservations", reservationsLine(report));
   html += htmlRow("Release", report.firmware);
   html += htmlRow("Machine", report.machine);
+  html += htmlRow("Serial number", report.serial_number);
   html += htmlRow("Scenario", report.scenario);
   html += htmlRow("Dieline", report.dieline->path, true);
   html += htmlRow("Digest of the results", digests.results, true);

@@ -25,6 +25,7 @@ std::string environment(const RunReport& report, const Digests& digests) {
   html += htmlRow("Firmware", report.firmware);
   html += htmlRow("Signal source", report.source_id);
   html += htmlRow("Machine", report.machine);
+  html += htmlRow("Serial number", report.serial_number);
   html += htmlRow("Seed", std::to_string(report.seed));
   html += htmlRow("Virtual time", fmt::format("{:.3f} s", report.virtual_s));
   html +=
@@ -79,6 +80,7 @@ std::string reportHeader(const RunReport& report) {
   const std::string facts = htmlFacts({{"Scenario", report.scenario},
                                        {"Firmware", report.firmware},
                                        {"Machine", report.machine},
+                                       {"Serial number", report.serial_number},
                                        {"Seed", std::to_string(report.seed)},
                                        {"Imperfections", report.model.imperfections},
                                        {"Model", report.model.twin},

@@ -191,6 +191,7 @@ std::string verdictJson(const RunReport& report, const Digests& digests) {
   root["machine"] = report.machine;
   root["firmware"] = report.firmware;
   root["source"] = report.source_id;
+  root["serial_number"] = report.serial_number;
   root["seed"] = report.seed;
   root["model"] = modelJson(report.model);
   root["virtual_s"] = rounded(report.virtual_s);

@@ -35,6 +35,7 @@ void addProperties(const RunReport& report, const Digests& digests, pugi::xml_no
   property("inputs_digest", digests.inputs);
   property("firmware", report.firmware);
   property("machine", report.machine);
+  if (!report.serial_number.empty()) property("serial_number", report.serial_number);
   property("seed", std::to_string(report.seed));
   property("imperfections", report.model.imperfections);
   property("twin", report.model.twin);

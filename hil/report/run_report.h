@@ -102,6 +102,7 @@ struct RunReport {
   std::string
       source_id;  ///< Identity of the signal source and its configuration, e.g. "avr atmega2560 16 MHz".
   std::string repeat_command;  ///< The command line that does it again.
+  std::string serial_number;   ///< What was tested, for people; no part of the digest.
   std::uint64_t seed{};
   bool provoked{};  ///< Something went wrong on purpose: judged by pins and words, no camera looked.
   ModelFacts model;

@@ -21,6 +21,7 @@
 #include "hil/serve/event_stream.h"
 #include "hil/serve/file_body.h"
 #include "hil/serve/refusal.h"
+#include "hil/trace/topics.h"
 
 namespace kerfbench::serve {
 namespace {
@@ -33,6 +34,7 @@ constexpr int kLook_ms = 50;
 /// Below this share nobody can tell how long the rest takes.
 constexpr double kLeastShare = 0.02;
 constexpr std::size_t kLongestSerialNumber = 64;
+constexpr std::size_t kMostProblems = 20;
 /// Events that say how something stands now.
 constexpr std::array kStanding{"progress", "pins", "operator"};
 
@@ -186,6 +188,7 @@ class Runs::Run {
     json["command"] = command();
     json["serial_number"] = wish_.serial_number;
     json["progress"] = progress_;
+    json["live"] = live_;
     return json;
   }
 
@@ -271,18 +274,21 @@ class Runs::Run {
       const std::string folder = files_.nameOf(event.value("folder", ""));
       facts_["results"] = folder;
       facts_["report"] = "/" + percentEncoded(folder) + "/report.html";
+      if (fs::exists(files_.folder() / folder / trace::kTraceFile))
+        facts_["trace"] = folder + "/" + trace::kTraceFile;
       event["folder"] = folder;
     }
     if (name == "trace") noteTrace(event);
+    if (name == "pins") live_["pins"] = event;
+    if (name == "operator") live_["operator"] = event.value("text", "");
+    if (name == "problem" && live_["problems"].size() < kMostProblems)
+      live_["problems"].push_back(event.value("text", ""));
     return name == "scenario" || name == "verdict" || name == "results" || name == "trace";
   }
 
   void noteTrace(Json& event) {
     const std::string file = event.value("file", "");
-    const std::string trace = files_.nameOf(file);
-    event["file"] = trace;
-    // While it grows its name is one that nobody needs.
-    if (trace.ends_with(".mcap")) facts_["trace"] = trace;
+    event["file"] = files_.nameOf(file);
     base::UniqueFd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
     if (fd.valid() && !trace_file_.valid()) trace_file_ = std::move(fd);
   }
@@ -304,6 +310,7 @@ class Runs::Run {
   bool is_stop_wanted_{};
   Json facts_ = Json::object();
   Json progress_ = {{"what", ""}};
+  Json live_ = {{"problems", Json::array()}};
   base::UniqueFd trace_file_;
   std::optional<base::Stopwatch> since_first_;
 };

@@ -54,7 +54,9 @@ class Runs {
   [[nodiscard]] nlohmann::json list() const;
   ///     {"id", "scenario", "state": "waiting" | "running" | "ended" | "stopped", "command", "serial_number",
   ///      "name", "progress": {"now_s"?, "share"?, "what", "left_s"?}, "exit_code"?, "verdict"?, "results"?,
-  ///      "report"?, "trace"?, "problem"?}
+  ///      "report"?, "trace"?, "problem"?,
+  ///      "live": {"pins"?, "operator"?, "problems": []}}
+  /// Live is what the run tells of real pins (docs/reference/events.md).
   /// @throws Refusal 404.
   [[nodiscard]] nlohmann::json of(const std::string& id) const;
   /// SIGINT, and after kGrace_s the end. One that waits does not begin. @throws Refusal 404.

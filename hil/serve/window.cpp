@@ -26,6 +26,8 @@ using Json = nlohmann::json;
 
 /// Addresses within the one page, which looks at them itself.
 constexpr std::array kPages{"/", "/view", "/live", "/service", "/station"};
+/// The newest runs are what a station shows.
+constexpr std::ptrdiff_t kMostStationRuns = 12;
 constexpr std::string_view kBundle{"/window/"}, kResults{"/results/"}, kRuns{"/api/runs/"};
 
 bool isPage(const std::string& path) { return std::ranges::find(kPages, path) != kPages.end(); }
@@ -99,6 +101,7 @@ Window::Window(WindowSetup setup, ServerAddress address, std::function<void(cons
       list_(files_),
       runs_(files_, setup_.bin_dir / "kerfbench"),
       desk_(files_, setup_.bin_dir),
+      neighbours_(setup_.benches),
       http_([this](const Asked& asked) { return answer(asked); }) {
   if (!fs::exists(setup_.pages / "index.html"))
     throw base::InputError(
@@ -115,6 +118,7 @@ const std::vector<Window::Route>& Window::routes() {
       {"POST", "/api/edit", &Window::edit},           {"GET", "/api/service", &Window::service},
       {"POST", "/api/plan", &Window::plan},           {"POST", "/api/order", &Window::order},
       {"POST", "/api/new", &Window::create},
+      {"GET", "/api/station", &Window::station},      {"GET", "/api/benches", &Window::benches},
   };
   return kRoutes;
 }
@@ -230,12 +234,15 @@ Answer Window::results(const Asked& asked) {
 }
 
 Answer Window::session(const Asked&) {
+  Json addresses = Json::array();
+  for (const BenchAddress& bench : setup_.benches)
+    addresses.push_back("http://" + hostAndPort({bench.host, bench.port}) + "/");
   return jsonAnswer({{"version", base::version()},
                      {"folder", files_.folder().string()},
                      {"shipped", files_.shipped().fixtures.string()},
                      {"machines_folder", std::string(kShipped) + "machines"},
                      {"can_run", ::access((setup_.bin_dir / "kerfbench").c_str(), X_OK) == 0},
-                     {"benches", Json::array()}});
+                     {"benches", addresses}});
 }
 
 Answer Window::listFiles(const Asked&) { return jsonAnswer(list_.json()); }
@@ -317,6 +324,20 @@ Answer Window::service(const Asked& asked) {
   const std::string name = asked.wanted("path") + "/steps.json";
   return fileAnswer(files_.open(name), name, asked.head);
 }
+
+Answer Window::station(const Asked&) {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0) name.front() = '\0';
+  Json runs = runs_.list();
+  if (runs.size() > kMostStationRuns) runs.erase(runs.begin() + kMostStationRuns, runs.end());
+  return jsonAnswer({{"name", name.data()},
+                     {"version", base::version()},
+                     {"folder", files_.folder().filename().string()},
+                     {"can_run", ::access((setup_.bin_dir / "kerfbench").c_str(), X_OK) == 0},
+                     {"runs", std::move(runs)}});
+}
+
+Answer Window::benches(const Asked&) { return jsonAnswer({{"benches", neighbours_.json()}}); }
 
 Answer Window::streamed(std::unique_ptr<AnswerBody> body, const std::string& type) {
   auto counted = std::make_unique<CountedBody>(std::move(body), streams_);

@@ -14,6 +14,7 @@
 #include "hil/serve/file_list.h"
 #include "hil/serve/front_door.h"
 #include "hil/serve/http_server.h"
+#include "hil/serve/neighbours.h"
 #include "hil/serve/runs.h"
 #include "hil/serve/work_folder.h"
 
@@ -31,6 +32,7 @@ struct WindowSetup {
   std::filesystem::path bin_dir;  ///< With kerfbench.
   std::filesystem::path pages;    ///< Bundle of window/, with index.html.
   ShippedFolders shipped;
+  std::vector<BenchAddress> benches{};  ///< Others, shown on the page of the station.
 };
 
 /// What the window's pages ask, and who may ask it. docs/reference/window-api.md has all of it.
@@ -68,6 +70,8 @@ class Window final : public Host {
   Answer listRuns(const Asked& asked);
   Answer traceFile(const Asked& asked);
   Answer service(const Asked& asked);
+  Answer station(const Asked& asked);
+  Answer benches(const Asked& asked);
   Answer reference(const Asked& asked) { return desk_.reference(asked); }
   Answer check(const Asked& asked) { return desk_.check(asked); }
   Answer edit(const Asked& asked) { return desk_.edit(asked); }
@@ -84,6 +88,7 @@ class Window final : public Host {
   FileList list_;
   Runs runs_;
   DeskRoutes desk_;
+  Neighbours neighbours_;
   HttpServer http_;
   std::shared_ptr<std::atomic<int>> streams_{std::make_shared<std::atomic<int>>(0)};
 };

@@ -29,6 +29,12 @@ void addServe(CLI::App& app, const cli::CliProgram& program, cli::CliActions& ac
   command->add_option("FOLDER", options->folder, "Folder with scenarios, machines, drawings and results")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
+  command
+      ->add_option("--bench", options->benches,
+                   "Address of another bench, as its kerfbench serve has printed it, to be shown on the page "
+                   "Station; may be "
+                   "given\nseveral times")
+      ->allow_extra_args(false);
   addServerOptions(*command, *options);
   actions.addStopping(command, [options] { return serveCommand(*options); });
 }

@@ -19,6 +19,7 @@
 #include <memory>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "hil/base/exit_codes.h"
@@ -134,9 +135,11 @@ int serveAt(const ServeOptions& options, const Opened& opened) {
     is_first = false;
   };
   const fs::path folder = fs::canonical(options.folder);
-  serve::Window window(
-      {folder, options.bin_dir, options.bin_dir / ".." / "window", serve::shippedFolders(options.bin_dir)},
-      address, tell_link);
+  std::vector<serve::BenchAddress> benches;
+  for (const std::string& bench : options.benches) benches.push_back(serve::benchAddressFrom(bench));
+  serve::Window window({folder, options.bin_dir, options.bin_dir / ".." / "window",
+                        serve::shippedFolders(options.bin_dir), std::move(benches)},
+                       address, tell_link);
   if (options.open) startBrowser(first_link);
   {
     const SignalWatch watch(signals, door);

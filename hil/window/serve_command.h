@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace kerfbench::window {
 
@@ -11,8 +12,9 @@ namespace kerfbench::window {
 struct ServeOptions {
   std::filesystem::path folder{"."};
   std::string address{"127.0.0.1"};
-  int port{};   ///< 0: one that is free.
-  bool open{};  ///< Starts the browser.
+  int port{};                          ///< 0: one that is free.
+  bool open{};                         ///< Starts the browser.
+  std::vector<std::string> benches{};  ///< Addresses of others, as these have printed them.
   std::filesystem::path bin_dir;
 };
 

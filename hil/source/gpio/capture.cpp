@@ -65,7 +65,10 @@ class Capture {
       }
       order_.add(read, now_ns);
       read.clear();
-      if (now_ns - begin_ns_ > EdgeOrder::kHold_ns) order_.take(now_ns, now_ns - EdgeOrder::kHold_ns, edges_);
+      if (now_ns - begin_ns_ <= EdgeOrder::kHold_ns) continue;
+      const std::size_t known = edges_.size();
+      order_.take(now_ns, now_ns - EdgeOrder::kHold_ns, edges_);
+      if (options_.heard) options_.heard(now_ns - begin_ns_, std::span(edges_).subspan(known));
     }
   }
 

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "hil/source/gpio/edge_order.h"
 #include "hil/source/gpio/system.h"
 #include "hil/source/gpio/wires.h"
 #include "hil/source/pin_capture.h"
@@ -20,6 +23,8 @@ struct GpioCaptureOptions {
   double quiet_s{2.0};          ///< The job is over when no edge has come for this long.
   double time_limit_s{60.0};    ///< Limit of the whole capture, waiting for the first edge included.
   StartLevels at_start;
+  /// Is told of edges as they are had, so long after the begin; may be empty. It must not wait.
+  std::function<void(std::uint64_t now_ns, std::span<const LineEdge> edges)> heard{};
 };
 
 /// Records edges, in ticks of 1 ns, until the pins are quiet. Once the lines are had, whatever goes wrong is

@@ -87,6 +87,15 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
   return quiet ? stop(Stop::kEnded, "the pins are quiet") : Stop::kReached;
 }
 
+std::uint64_t GpioLiveSource::worstLag_ns() {
+  for (; looked_at_ < played_.size(); ++looked_at_) {
+    const PlayedEdge& edge = played_[looked_at_];
+    if (!answersToPins(options_.out.at(edge.line).signal))
+      worst_lag_ns_ = std::max(worst_lag_ns_, edge.put_ns - std::min(edge.put_ns, edge.planned_ns));
+  }
+  return worst_lag_ns_;
+}
+
 void GpioLiveSource::begin() {
   begun_ = true;
   const std::vector<bool> levels = request_.levels();

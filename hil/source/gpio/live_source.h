@@ -88,6 +88,9 @@ class GpioLiveSource final : public SignalSource {
   void uartWrite(std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] std::string message() const override { return message_; }
 
+  /// Worst lag so far of edges that do not answer to pins.
+  [[nodiscard]] std::uint64_t worstLag_ns();
+
   /// Record after the last advance(), with one more look at the lines. Edges and bytes after `end` are left
   /// out.
   GpioLiveRecord finish(Tick end);
@@ -110,6 +113,8 @@ class GpioLiveSource final : public SignalSource {
   std::shared_ptr<GpioSystem> system_;
   /// Edges that were put out; declared before real_time_, which locks their memory.
   std::vector<PlayedEdge> played_;
+  std::size_t looked_at_{};  ///< Number of entries of played_ that worst_lag_ns_ is of.
+  std::uint64_t worst_lag_ns_{};
   RealTime real_time_;
   std::unique_ptr<SerialLine> uart_;
   LineRequest request_;

@@ -362,8 +362,11 @@ std::unique_ptr<RunTrace> tracing(TraceSource source, const judge::RunOptions& o
   if (!options.trace) return nullptr;
   source.part = growingTrace(options.results_dir, source.folder_name, options.output);
   source.frames_every = options.trace_frames;
+  const std::string part = fs::absolute(source.part).string();
   console.say(fmt::format("trace: {}", source.part.string()));
-  return std::make_unique<RunTrace>(std::move(source));
+  auto traced = std::make_unique<RunTrace>(std::move(source));
+  console.event("trace", {{"file", part}});
+  return traced;
 }
 
 std::function<void(const report::RunReport&, const report::Digests&, const fs::path&)> finishing(
