@@ -26,6 +26,7 @@ class FileList {
   ///
   ///     {"scenarios": [{"path", "name", "title", "problem"?}], "machines": [{"path", "name"}],
   ///      "drawings": [{"path"}], "images": [{"path", "title", "firmware": {"source", "image", …}}],
+  ///      "service": [{"path"}],
   ///      "runs": [{"path", "scenario", "verdict", "when", "serial_number"?}], "traces": [{"path", "bytes"}],
   ///      "left_out": n}
   ///

@@ -48,6 +48,19 @@ TEST_F(FilesTest, AreListedByWhatTheyAre) {
   EXPECT_EQ(files["traces"], Json::parse(R"([{"path":"a.mcap","bytes":5}])"));
 }
 
+TEST_F(FilesTest, CalibrationsByHandAreListedAndTold) {
+  for (const char* folder : {"head", "results/head"})
+    std::filesystem::create_directories(bench_.work() / folder);
+  bench_.write("work/head/steps.json", R"({"version":1})");
+  bench_.write("work/results/head/steps.json", "{}");
+  std::filesystem::last_write_time(bench_.path("work/results/head/steps.json"),
+                                   std::filesystem::file_time_type{});
+  EXPECT_THAT(pathsIn(list()["service"]), testing::ElementsAre("head", "results/head"));
+  EXPECT_EQ(client_.get("/api/service?path=head").body, R"({"version":1})");
+  EXPECT_EQ(client_.get("/api/service?path=none").status, 404);
+  EXPECT_EQ(client_.get("/api/service?path=../work/head").status, 400);
+}
+
 TEST_F(FilesTest, RunsAreListedTheNewestFirst) {
   for (const char* run : {"label/20261128T160512Z-1a2b3c4d", "other/20261129T160512Z-1a2b3c4d"})
     std::filesystem::create_directories(bench_.path("work/results") / run);

@@ -127,7 +127,7 @@ TEST_F(RunsTest, ThatDieAreToldSo) {
   EXPECT_THAT(events(id), testing::HasSubstr("event: end"));
   EXPECT_EQ(of(id)["state"], "ended");
   EXPECT_THAT(of(id)["problem"].get<std::string>(), testing::HasSubstr("signal 9"));
-  std::filesystem::remove(bench_.path("bin/kerfbench"));
+  std::filesystem::remove(bench_.path("lib/kerfbench/bin/kerfbench"));
   const std::string missing = start();
   EXPECT_THAT(events(missing), testing::HasSubstr("could not be started"));
 }

@@ -20,11 +20,13 @@ class InstalledBench {
  public:
   InstalledBench() {
     namespace fs = std::filesystem;
-    for (const char* folder : {"bin", "firmware", "window", "share/kerfbench/fixtures/scenarios", "work"})
+    for (const char* folder : {"lib/kerfbench/bin", "lib/kerfbench/firmware", "lib/kerfbench/window",
+                               "share/kerfbench/scenarios", "work"})
       fs::create_directories(root_.path() / folder);
-    (void)root_.write("window/index.html", "<!doctype html><title>Kerfbench</title>{{nonce}}\n");
-    (void)root_.write("window/main.js", "export {};\n");
-    (void)root_.write("share/kerfbench/fixtures/scenarios/label.yaml",
+    (void)root_.write("lib/kerfbench/window/index.html",
+                      "<!doctype html><title>Kerfbench</title>{{nonce}}\n");
+    (void)root_.write("lib/kerfbench/window/main.js", "export {};\n");
+    (void)root_.write("share/kerfbench/scenarios/label.yaml",
                       "name: label\ntitle: A label\nmachine: m.yaml\ndieline: d.dxf\n");
     program("exit 0");
   }
@@ -37,9 +39,9 @@ class InstalledBench {
   void program(const std::string& lines) const {
     namespace fs = std::filesystem;
     write(
-        "bin/kerfbench",
+        "lib/kerfbench/bin/kerfbench",
         "#!/bin/sh\nwhile [ $# -gt 0 ]; do [ \"$1\" = --events ] && events=$2; shift; done\n" + lines + "\n");
-    fs::permissions(path("bin/kerfbench"), fs::perms::owner_all);
+    fs::permissions(path("lib/kerfbench/bin/kerfbench"), fs::perms::owner_all);
   }
 
  private:
@@ -51,12 +53,12 @@ class Served {
  public:
   explicit Served(const InstalledBench& bench, const DoorLimits& limits = {},
                   const std::string& address = "127.0.0.1")
-      : Served(bench, bench.path("bin"), limits, address) {}
+      : Served(bench, bench.path("lib/kerfbench/bin"), limits, address) {}
   /// With the programs, releases and examples of another bench.
   Served(const InstalledBench& bench, const std::filesystem::path& bin_dir, const DoorLimits& limits = {},
          const std::string& address = "127.0.0.1")
       : door_({address, 0}, limits),
-        window_({bench.work(), bin_dir, bench.path("window"), shippedFolders(bin_dir)}, door_.address(),
+        window_({bench.work(), bin_dir, bin_dir.parent_path() / "window", shippedFolders(bin_dir)}, door_.address(),
                 [this](const std::string& token) {
                   const std::lock_guard lock(mutex_);
                   tokens_.push_back(token);

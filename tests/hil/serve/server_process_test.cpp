@@ -21,7 +21,7 @@ namespace {
 class WindowProcess {
  public:
   WindowProcess(const InstalledBench& bench, std::vector<std::string> words) {
-    const std::string program = bench.path("bin/kerfbench-window").string();
+    const std::string program = bench.path("lib/kerfbench/bin/kerfbench-window").string();
     std::filesystem::copy_file(KERFBENCH_WINDOW_PROGRAM, program,
                                std::filesystem::copy_options::overwrite_existing);
     words.insert(words.begin(), program);
@@ -201,7 +201,7 @@ TEST_F(ServerProcessTest, RefusesWhatItCannotServe) {
   EXPECT_THAT(refused({"serve", "--address", "evil.example"}),
               Pair(65, HasSubstr("not an address as a number")));
   EXPECT_THAT(refused({"serve", "--port", "70000"}), Pair(64, HasSubstr("70000")));
-  std::filesystem::remove(bench_.path("window/index.html"));
+  std::filesystem::remove(bench_.path("lib/kerfbench/window/index.html"));
   EXPECT_THAT(refused({"serve"}), Pair(65, HasSubstr("./bench serve makes them")));
 }
 

@@ -38,7 +38,7 @@ class WorkFolderTest : public testing::Test {
   }
 
   InstalledBench bench_;
-  WorkFolder files_{bench_.work(), shippedFolders(bench_.path("bin"))};
+  WorkFolder files_{bench_.work(), shippedFolders(bench_.path("lib/kerfbench/bin"))};
 };
 
 TEST_F(WorkFolderTest, OpensItsFilesAndThoseThatComeWithTheBench) {

@@ -8,6 +8,7 @@ import { h, svg } from './dom.js';
 export const kPages = [
   { name: 'job', title: 'Job', href: '/', load: () => import('../job/main.js') },
   { name: 'view', title: 'Trace', href: '/view', load: () => import('../view/main.js') },
+  { name: 'station', title: 'Station', href: '/station', load: () => import('../station/main.js') },
   { name: 'service', title: 'Service', href: '/service', load: () => import('../service/main.js') },
 ];
 

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a station says of runs, in words and figures.
+// @ts-check
+
+/** A run as GET /api/runs/ID has it.
+ * @typedef {{ id: string, scenario: string, name?: string, state: string, serial_number: string, verdict?: string, report?: string,
+ *   trace?: string, problem?: string, exit_code?: number, progress: { what: string, share?: number, left_s?: number, now_s?: number },
+ *   live: { operator?: string, problems: string[], pins?: Pins } }} Run */
+/** @typedef {{ now_s: number, signals: string[], edges: number[], edges_per_s: number[], levels: number[], worst_lag_us: number }} Pins */
+/** @typedef {{ address?: string, name?: string, version?: string, folder?: string, problem?: string, runs?: Run[] }} Bench */
+
+/** The run that a bench is at: the one that runs, else the next that waits. @param {Run[]} runs @returns {Run | undefined} */
+export const currentOf = (runs) =>
+  runs.find(({ state }) => state === 'running') ?? runs.filter(({ state }) => state === 'waiting').at(-1);
+
+/** Those that are over, the newest first. @param {Run[]} runs */
+export const overOf = (runs) => runs.filter(({ state }) => state === 'ended' || state === 'stopped');
+
+/** What stands for the outcome of a run. @param {Run} run @returns {string} */
+export function outcomeOf(run) {
+  if (run.verdict) return run.verdict;
+  if (run.state === 'stopped') return 'stopped';
+  if (run.state === 'ended') return 'no verdict';
+  return run.state;
+}
+
+/** Class of a verdict. @param {string} outcome */
+export const classOf = (outcome) =>
+  ({ PASS: 'pass', FAIL: 'fail', INVALID: 'inv', 'NOT PROVEN': 'np' })[outcome] ?? 'none';
+
+/** "12.3 k/s": three digits, so that a column of rates can be read at a glance. @param {number} per_s */
+export function rateWords(per_s) {
+  if (per_s < 1e3) return `${Math.round(per_s)} /s`;
+  const [value, unit] = per_s < 1e6 ? [per_s / 1e3, 'k/s'] : [per_s / 1e6, 'M/s'];
+  return `${value.toPrecision(3)} ${unit}`;
+}
+
+/** "2 min 5 s left". @param {number | undefined} left_s on the wall clock */
+export function leftWords(left_s) {
+  if (left_s === undefined) return '';
+  const s = Math.max(0, Math.round(left_s));
+  return s < 60 ? `${s} s left` : `${Math.floor(s / 60)} min ${s % 60} s left`;
+}
+
+/** What the operator has to do, in one sentence. @param {Run | undefined} current @param {Run | undefined} last */
+export function nextStep(current, last) {
+  if (current?.live.operator) return current.live.operator;
+  if (current?.state === 'running') return 'A run goes on.';
+  if (current?.state === 'waiting') return 'A run waits for the one before.';
+  if (!last) return 'Enter or scan the serial number of what is tested, and start.';
+  const what = last.serial_number ? `number ${last.serial_number}` : 'this one';
+  if (last.verdict === 'PASS') return `PASS: ${what} may go on. Enter the next serial number.`;
+  if (last.verdict === 'FAIL') return `FAIL: set ${what} apart. The report says what is wrong.`;
+  if (last.verdict) return `${last.verdict}: test ${what} again. The report says what the evidence lacks.`;
+  return `No verdict: test ${what} again.`;
+}
+
+/** The scenario that a station starts with: the one of the last run, as long as it is there.
+ * @param {{ path: string }[]} scenarios @param {Run[]} runs @returns {string} */
+export function firstScenario(scenarios, runs) {
+  const last = runs[0]?.scenario;
+  return scenarios.some(({ path }) => path === last) ? last : (scenarios[0]?.path ?? '');
+}
