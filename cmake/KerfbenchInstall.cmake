@@ -88,8 +88,13 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/twin ${PROJECT_SOURCE_DIR}/hil ${PROJECT
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION share/doc/kerfbench-dev COMPONENT dev)
 
 # --- doc
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION share/doc/kerfbench-doc/docs COMPONENT doc)
-install(FILES README.md ARCHITECTURE.md CHANGELOG.md CONTRIBUTING.md DESTINATION share/doc/kerfbench-doc COMPONENT doc)
+# As a site, where cmark-gfm is installed; `./bench package` installs it.
+find_program(CMARK_GFM cmark-gfm)
+find_program(PYTHON3 python3)
+if(CMARK_GFM AND PYTHON3)
+  add_custom_target(site COMMAND ${PYTHON3} -B ${PROJECT_SOURCE_DIR}/docs/site/build_site.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/site VERBATIM)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/site/ DESTINATION share/doc/kerfbench-doc/html COMPONENT doc)
+endif()
 
 # --- what Debian asks of each package
 foreach(component IN ITEMS kerfbench emulators window dev doc)
@@ -107,8 +112,10 @@ endforeach()
 
 # All that is installed, built: `cmake --install` builds nothing.
 add_custom_target(installable DEPENDS ${kerfbench_programs} kerfbench-avr kerfbench-sigrok firmware user_files ${rooms})
-if(TARGET kerfbench-window)
-  add_dependencies(installable kerfbench-window)
-endif()
+foreach(target IN ITEMS kerfbench-window site)
+  if(TARGET ${target})
+    add_dependencies(installable ${target})
+  endif()
+endforeach()
 
 include(KerfbenchPackages)

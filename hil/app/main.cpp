@@ -75,7 +75,11 @@ void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
   command.add_option("--jobs,-j", options.jobs, "Threads; the results are the same at any number")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command.add_flag("--quiet,-q", options.quiet, "Only the verdict");
+  CLI::Option* const quiet = command.add_flag("--quiet,-q", options.quiet, "Only the verdict");
+  command
+      .add_flag("--verbose,-v", options.verbose,
+                "Progress without a terminal as well: a line for each step, and one in ten seconds")
+      ->excludes(quiet);
   command.add_option("--events", options.events,
                      "File to which a line of JSON is appended for each event of the run, as it happens");
   command

@@ -62,6 +62,7 @@ constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on
 int replayOne(const Replay& replay, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet, options.events);
+  console.beVerbose(options.verbose);
   scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options, console);
   const fs::path& recording = replay.recording;
   judge::refuseBlockedRuns(options.results_dir, test_case.scenario.name + "-replay", options.output);
@@ -91,6 +92,7 @@ int replayOne(const Replay& replay, const judge::RunOptions& options) {
 int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet, options.events);
+  console.beVerbose(options.verbose);
   scenario::Case test_case = caseWithOptions(path, image, options, console);
   const scenario::Scenario& scenario = test_case.scenario;
   judge::refuseBlockedRuns(options.results_dir, scenario.name, options.output);

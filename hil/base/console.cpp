@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "hil/base/colour.h"
@@ -16,6 +18,7 @@ namespace {
 
 /// Those who watch a run need no more than a few words a second.
 constexpr std::chrono::milliseconds kBetweenTold{100};
+constexpr std::chrono::seconds kBetweenLogged{10};
 
 /// Bytes of text in which an amount changes and the rest stays.
 std::string withoutDigits(const std::string& text) {
@@ -46,9 +49,27 @@ void Console::result(const std::string& line) {
 
 void Console::progress(double now_s, const std::string& what) {
   if (events_) tellProgress(now_s, what);
-  if (quiet_ || !terminal_) return;
-  const std::string text = now_s < 0 ? what : fmt::format("{:7.2f} s  {}", now_s, what);
-  std::fputs(fmt::format("\r\033[K  {:.90}", text).c_str(), stderr);
+  if (quiet_ || (!terminal_ && !verbose_)) return;
+  const auto now = std::chrono::steady_clock::now();
+  const bool is_timed = now_s >= 0.0 && expected_s_ > 0.0;
+  const std::string kind = withoutDigits(what);
+  const std::optional<double> share =
+      is_timed ? std::optional(std::min(now_s / expected_s_, 1.0)) : shareIn(what);
+  std::string text = now_s < 0 ? what : fmt::format("{:7.2f} s  {}", now_s, what);
+  if (is_timed && !shareIn(what)) text += fmt::format(", {:.0f} %", std::floor(100.0 * *share));
+  if (share) {
+    if (const auto left_s = left_.after(is_timed ? "run" : kind, *share, now))
+      text += fmt::format(", about {} s left", *left_s);
+  }
+  if (!terminal_) {
+    // A log gets a line when another work begins, and now and then.
+    if (kind == logged_ && now < next_logged_) return;
+    logged_ = kind;
+    next_logged_ = now + kBetweenLogged;
+    std::fputs(fmt::format("  {}\n", text).c_str(), stderr);
+    return;
+  }
+  std::fputs(fmt::format("\r\033[K  {:.110}", text).c_str(), stderr);
   std::fflush(stderr);
   progress_shown_ = true;
 }

@@ -10,6 +10,7 @@
 
 #include "hil/base/event_log.h"
 #include "hil/base/progress.h"
+#include "hil/base/time_left.h"
 
 namespace kerfbench::base {
 
@@ -29,6 +30,8 @@ class Console {
   void result(const std::string& line);
   /// Progress of the work; now_s < 0: without virtual time.
   void progress(double now_s, const std::string& what);
+  /// Progress is told without a terminal as well: a line for each work, and one in ten seconds.
+  void beVerbose(bool verbose) { verbose_ = verbose; }
   /// Takes the line of progress away, before something else is written to standard error.
   void endProgress();
   /// About how much virtual time the work will take, so that events tell the share that is done; 0: unknown.
@@ -43,7 +46,11 @@ class Console {
 
   bool quiet_;
   bool terminal_;
+  bool verbose_{false};
   bool progress_shown_{false};
+  TimeLeft left_;
+  std::string logged_;
+  std::chrono::steady_clock::time_point next_logged_{};
   std::unique_ptr<EventLog> events_;
   double expected_s_{};
   std::string told_what_;
