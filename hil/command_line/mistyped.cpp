@@ -70,6 +70,7 @@ std::pair<std::vector<const CommandTree*>, std::optional<std::string>> follow(
       continue;
     }
     open = nullptr;
+    if (word.empty()) continue;
     if (looksLikeOption(word)) {
       const std::string name = word.substr(0, word.find('='));
       const OptionText* option = optionAt(path, name);

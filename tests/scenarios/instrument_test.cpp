@@ -33,7 +33,7 @@ TEST(InstrumentCommands, AnswerAsThoseOfOneProgram) {
   EXPECT_EQ(kerfbench("'' calibrate").output, kerfbench("calibrate").output);
   const ProgramRun misspelt = kerfbench("gaueg");
   EXPECT_EQ(misspelt.exit_code, 64);
-  EXPECT_THAT(misspelt.output, HasSubstr("A subcommand is required"));
+  EXPECT_THAT(misspelt.output, HasSubstr("there is no command 'gaueg'. Did you mean gauge?"));
 }
 
 TEST(InstrumentCommands, SayWhichProgramIsNotBuilt) {

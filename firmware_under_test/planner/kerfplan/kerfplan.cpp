@@ -74,6 +74,7 @@ struct Options {
 };
 
 bool isGcode(const std::string& path) {
+  if (path == planner::kStandardInput) return true;
   const std::string tail = path.substr(std::min(path.size(), path.find_last_of('.')));
   return std::set<std::string>{".nc", ".ngc", ".gcode", ".tap", ".txt"}.count(CLI::detail::to_lower(tail)) >
          0;
@@ -229,8 +230,10 @@ void addJob(CLI::App& app, JobParameters& j) {
 /// Adds a command that takes a drawing or G-code.
 CLI::App* jobCommand(CLI::App& app, Options& options, const char* name, const char* help, bool writes) {
   CLI::App* sub = app.add_subcommand(name, help);
-  sub->add_option("DIELINE", options.input,
-                  "A drawing (.dxf, .svg, .pdf, .cf2), or G-code (.nc, .ngc, .gcode, .tap, .txt)")
+  sub->add_option(
+         "DIELINE", options.input,
+         "A drawing (.dxf, .svg, .pdf, .cf2), or G-code (.nc, .ngc, .gcode, .tap, .txt; - from standard "
+         "input)")
       ->required();
   if (writes) sub->add_option("-o,--output", options.output, "File to write instead of standard output");
   const auto choice = [&](const char* option, std::string& value, const char* meaning) {

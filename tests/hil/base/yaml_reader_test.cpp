@@ -74,6 +74,13 @@ TEST_F(YamlReaderTest, ListsEveryFaultWithItsLineAtOnce) {
   EXPECT_THAT(faults, HasSubstr(":7: f[0].y: unknown key"));
 }
 
+TEST_F(YamlReaderTest, TellsWhichKeyAMistypedOneWasMeantToBe) {
+  auto file = open("speed_mms: 1\n");
+  file.number("speed_mm_s", {.fallback = 1.0});
+  file.number("start_mm", {.fallback = 1.0});
+  EXPECT_THAT(faultsOf(file), HasSubstr("speed_mms: unknown key. Did you mean speed_mm_s? (known here: "));
+}
+
 TEST_F(YamlReaderTest, RefusesWhatIsNoMapping) {
   EXPECT_THROW(open("- 1\n- 2\n"), ConfigError);
   EXPECT_THROW(open("a: [1, 2\n"), ConfigError);

@@ -34,6 +34,7 @@ TEST(MistypedWord, IsNoneWhereAllIsRightOrAnArgumentMayBeAnything) {
   EXPECT_EQ(told({"cut", "--speed", "-3"}), std::nullopt);
   EXPECT_EQ(told({"cut", "--", "--sped"}), std::nullopt);
   EXPECT_EQ(told({}), std::nullopt);
+  EXPECT_EQ(told({"", "cut", "oak"}), std::nullopt);
 }
 
 TEST(MistypedWord, FromSomebodyElseCannotCommandATerminal) {
