@@ -15,7 +15,7 @@ void addCapture(CLI::App& app, const cli::CliProgram& program, cli::CliActions& 
 void addCampaign(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 /// compare, history, prune.
 void addHistory(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
-/// trace info, recover, clip.
+/// trace info, recover, clip, page.
 void addTrace(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);
 /// The release test of a plan.
 void addSuite(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions);

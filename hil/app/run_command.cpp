@@ -117,9 +117,10 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
         "  note: the release sees files and network like any program of yours, because {}", info.unconfined));
   const std::string firmware =
       fmt::format("{} ({})", scenario.firmware.image.filename().string(), sourceName(scenario.firmware));
-  const std::unique_ptr<trace::RunTrace> traced = trace::tracing(
-      {test_case, sampled.machine, scenario.name, firmware, info.config_id, job.gcode, programPeriod_s(job)},
-      options, console);
+  const std::unique_ptr<trace::RunTrace> traced =
+      trace::tracing({test_case, sampled.machine, info.rate, scenario.name, firmware, info.config_id,
+                      job.gcode, programPeriod_s(job)},
+                     options, console);
   run::ModelOptions model = run::modelOptions(test_case);
   model.onlooker = traced.get();
   run::ModelMachine machine(test_case, sampled, info.rate, model);
@@ -142,7 +143,7 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   judge::Conclusion conclusion;
   conclusion.folder_name = scenario.name;
   conclusion.firmware = firmware;
-  conclusion.finish_trace = trace::finishing(traced.get());
+  conclusion.finish_trace = trace::finishing(traced.get(), options, console);
   conclusion.source_id = info.config_id;
   conclusion.sampled = &sampled;
   conclusion.machine = &machine;

@@ -45,15 +45,29 @@ void addClip(CLI::App& trace, cli::CliActions& actions) {
   actions.add(command, options, traceClipCommand);
 }
 
+void addPage(CLI::App& trace, const cli::CliProgram& program, cli::CliActions& actions) {
+  const auto options = std::make_shared<TracePage>();
+  options->bin_dir = program.bin_dir;
+  CLI::App* command = trace.add_subcommand("page",
+                                           "Make a page that shows a small trace (trace clip) and stands "
+                                           "alone: it needs no server and no network");
+  command->add_option("FILE", options->file, "The trace, at most 64 MiB")->required();
+  command->add_option("--at", options->at_s, "The moment at which it opens, simulated s")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--out,-o", options->out, "The page")->required();
+  actions.add(command, options, tracePageCommand);
+}
+
 }  // namespace
 
-void addTrace(CLI::App& app, const cli::CliProgram&, cli::CliActions& actions) {
+void addTrace(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   CLI::App* trace = app.add_subcommand(
       "trace", "Traces of runs (run --trace, run.mcap): what is in them, whole ones of cut-off ones, parts");
   trace->require_subcommand(1);
   addInfo(*trace, actions);
   addRecover(*trace, actions);
   addClip(*trace, actions);
+  addPage(*trace, program, actions);
 }
 
 }  // namespace kerfbench::app

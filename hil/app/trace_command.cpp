@@ -10,6 +10,7 @@
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
+#include "hil/trace/run/clip_page.h"
 #include "hil/trace/trace_file.h"
 
 namespace kerfbench::app {
@@ -19,6 +20,9 @@ namespace fs = std::filesystem;
 
 void sayFault(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
 void sayLine(const std::string& line) { std::fputs((line + "\n").c_str(), stdout); }
+
+/// A browser reads no larger text at once.
+constexpr std::uintmax_t kMostInPage_bytes = std::uintmax_t{64} << 20U;
 
 /// What the file itself is to blame for becomes its exit code.
 template <class Work>
@@ -80,6 +84,25 @@ int traceClipCommand(const TraceClip& options) {
     if (span.from_s > info.last_s)
       throw base::InputError(fmt::format("{} ends at {:.6f} s", options.file.string(), info.last_s));
     return tellCopied(trace::rewriteTrace(options.file, options.out, span), options.out);
+  });
+}
+
+int tracePageCommand(const TracePage& options) {
+  const fs::path page = trace::clipPage(options.bin_dir);
+  if (!fs::exists(page)) {
+    sayFault(fmt::format("trace: {} is not there: the window is built by ./bench serve", page.string()));
+    return base::kExitBroken;
+  }
+  return onTrace(options.file, [&] {
+    const auto run = trace::runMetadata(options.file);
+    if (fs::file_size(options.file) > kMostInPage_bytes)
+      throw base::InputError(fmt::format("{} is too large for a page; take a part (kerfbench trace clip)",
+                                         options.file.string()));
+    const auto scenario = run.find("scenario");
+    trace::writeClipPage(page, options.file, {scenario == run.end() ? "" : scenario->second, options.at_s},
+                         options.out);
+    sayLine(options.out.string());
+    return 0;
   });
 }
 

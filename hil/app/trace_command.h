@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace kerfbench::app {
@@ -16,6 +17,16 @@ struct TraceRecovery {
 };
 /// Returns 0, or base::kExitInput for what is no trace.
 int traceRecoverCommand(const TraceRecovery& options);
+
+/// A trace as a page that stands alone.
+struct TracePage {
+  std::filesystem::path file, out;
+  std::optional<double> at_s;  ///< Where it opens; empty: at its begin.
+  std::filesystem::path bin_dir;
+};
+/// Returns 0; base::kExitInput for what is no trace, or one that is too large for a page; base::kExitBroken
+/// where the window was not built.
+int tracePageCommand(const TracePage& options);
 
 /// A part of a trace as a trace of its own.
 struct TraceClip {

@@ -40,8 +40,9 @@ struct Conclusion {
   std::filesystem::path spot_frames;  ///< Recording of a real spot camera; empty: none.
   bool unsealed{};                    ///< A recording without a sum of its own is replayed.
   bool moves_frames{};                ///< True if that recording goes into the results folder.
-  /// Writes the trace of the run into the folder of its results; empty: there is none.
-  std::function<void(const report::RunReport& report, const report::Digests& digests,
+  /// Writes the trace of the run into the folder of its results, and tells the report of it; empty: there is
+  /// none.
+  std::function<void(report::RunReport& report, const report::Digests& digests,
                      const std::filesystem::path& folder)>
       finish_trace;
   /// For a run that was to be stopped, without pulses and gates.

@@ -73,8 +73,9 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   run::ModelOptions model = run::modelOptions(test_case);
   model.beside_real_camera = test_case.scenario.cameras.spot.is_real;
   model.witness_sensors = !driven.empty();
-  trace::TraceSource traced_source{test_case,           pins.sampled.machine, conclusion.folder_name,
-                                   conclusion.firmware, conclusion.source_id, conclusion.gcode};
+  trace::TraceSource traced_source{
+      test_case,           pins.sampled.machine, recorded.rate,   conclusion.folder_name,
+      conclusion.firmware, conclusion.source_id, conclusion.gcode};
   traced_source.recorded = &recorded;
   const std::unique_ptr<trace::RunTrace> traced = trace::tracing(std::move(traced_source), options, console);
   model.onlooker = traced.get();
@@ -97,7 +98,7 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   conclusion.machine = &machine;
   conclusion.spot_watch = spot_watch.get();
   conclusion.kerf_watch = kerf_watch.get();
-  conclusion.finish_trace = trace::finishing(traced.get());
+  conclusion.finish_trace = trace::finishing(traced.get(), options, console);
   // A recording without the controller's words is judged by its pins alone.
   if (!recorded.uart.empty()) {
     const bool provoked = test_case.scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;

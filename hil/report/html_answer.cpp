@@ -94,14 +94,29 @@ std::string followersSeen(const RunReport& report, const FailureGroup& group, st
   return htmlFold("along-" + group.primary->name, "Show place, picture and pins of each of these", html);
 }
 
+/// How to see the run at that moment. The page is read from a disk, and knows no server.
+std::string motionOf(const RunReport& report, const Check& check) {
+  if (report.trace.empty() || !check.where.hasTime()) return {};
+  const auto moment = momentOf(report, check.name);
+  const std::string page = moment ? report.moments[*moment].page : std::string();
+  const std::string link =
+      page.empty()
+          ? std::string()
+          : fmt::format("<a href='{}'>Open this moment</a>, 50 ms before and after. ", escapeHtml(page));
+  return fmt::format(
+      "<p class=motion>{}The whole run at this moment, from this folder: "
+      "<code>kerfbench view {} --at {:.6f}</code></p>",
+      link, escapeHtml(report.trace), check.where.time_s);
+}
+
 std::string articleOf(const RunReport& report, const FailureGroup& group, std::set<std::size_t>& shown) {
   const Check& check = *group.primary;
   return fmt::format("<article class={0} id='check-{1}'><h3>{2} <small>{1}: {3}</small></h3>{4}<p>{5}</p>",
                      verdictClass(check.verdict), escapeHtml(check.name), escapeHtml(phraseOf(check)),
                      inspect::verdictName(check.verdict), factsOfCheck(report, check),
                      escapeHtml(check.explanation)) +
-         picturesOf(report, check) + waveformOf(report, check, shown) + followersOf(report, group) +
-         followersSeen(report, group, shown) + "</article>\n";
+         picturesOf(report, check) + waveformOf(report, check, shown) + motionOf(report, check) +
+         followersOf(report, group) + followersSeen(report, group, shown) + "</article>\n";
 }
 
 /// The checks of a good run that have the least room, each with its figure.

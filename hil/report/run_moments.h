@@ -30,6 +30,7 @@ struct Moment {
   double from_s{}, to_s{};
   std::vector<PinTrace> pins;
   std::vector<FollowedSpan> followed;  ///< Sorted by time.
+  std::string page{};  ///< File in the results folder that shows it in motion; empty: there is none.
 };
 
 /// What happened in a run that was to be stopped. Times in s on the clock of the pins; NaN: it did not.

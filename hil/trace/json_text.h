@@ -38,7 +38,7 @@ class JsonColumn {
   void clear() { values_.clear(); }
   [[nodiscard]] bool empty() const { return values_.empty(); }
   [[nodiscard]] std::size_t size() const { return values_.size(); }
-  /// Its values with commas between them.
+  /// The values with commas between them.
   [[nodiscard]] std::string_view values() const { return values_; }
 
  private:

@@ -70,7 +70,7 @@ void McapDirectory::take(McapOp op, std::string_view content) {
   if (op == McapOp::kSchema) {
     const std::uint16_t id = cursor.u16();
     McapSchema schema{std::string(cursor.text()), {}};
-    cursor.text();  // Its encoding.
+    cursor.text();  // The schema's encoding.
     schema.json = cursor.text();
     schemas_.insert_or_assign(id, std::move(schema));
   } else if (op == McapOp::kChannel) {

@@ -245,7 +245,7 @@ std::string spotSchema() {
   return schema("Spot", "What the spot camera measured, a row for each frame.",
                 object(joined({columns({"t_s"}, number()),
                                columns({"x_mm", "y_mm", "sigma_mm", "sheet_x_mm", "sheet_y_mm", "sheet_rad",
-                                        "deviation_mm"},
+                                        "deviation_mm", "x_px", "y_px"},
                                        orNull(number())),
                                columns({"unit", "entity"}, integer())})));
 }

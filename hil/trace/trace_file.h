@@ -46,7 +46,7 @@ class TraceFile {
 struct TraceInfo {
   std::uint64_t bytes{};
   std::uint64_t cut_off_bytes{};  ///< At the end, of no whole record.
-  bool whole{};                   ///< It has its end.
+  bool whole{};                   ///< The file has its end.
   std::string library;
   std::size_t chunks{};
   double first_s{}, last_s{};  ///< Times of the first and the last message.
@@ -54,7 +54,7 @@ struct TraceInfo {
     std::string topic, schema;
     std::uint64_t messages{}, bytes{};
   };
-  std::vector<TopicCount> topics;  ///< Of those that have messages, by id.
+  std::vector<TopicCount> topics;  ///< Topics that have messages, by id.
   std::map<std::string, std::map<std::string, std::string>> metadata;
   std::vector<std::string> attachments;  ///< Names.
   std::vector<std::string> problems;     ///< Sentences: chunks with a wrong CRC and the like.

@@ -218,6 +218,8 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
       {"simavr", "^(simavr/|sim_|avr_).*", {"hil/source/avr_child"}},
       {"Unicorn", "^unicorn/.*", {}},  // Tests only.
       {"libsigrok", "^libsigrok/.*", {"hil/source/analyser/sigrok_child"}},
+      {"zstd", "^zstd\\.h$", {"hil/trace"}},
+      {"zlib", "^zlib\\.h$", {"hil/trace"}},
       {"libzip", "^zip\\.h$", {"hil/source/analyser"}},
       {"cpp-httplib", "^httplib\\.h$", {"hil/serve"}},
   };

@@ -68,7 +68,7 @@ struct ShownOnBelt {
   };
   How how{How::kAlways};
   BeltEnds ends{};
-  Eigen::Vector3d point_mm{Eigen::Vector3d::Zero()};  ///< That point, in W at rest.
+  Eigen::Vector3d point_mm{Eigen::Vector3d::Zero()};  ///< The point, in W at rest.
 };
 
 /// A part at rest, and copies of it, `count` in all, each `step_mm` further on.
@@ -90,7 +90,7 @@ struct BeamCorner {
   Kind kind{};
   int index{-1};                                       ///< Body that it rides on, or -1; or part.
   Eigen::Vector3d p_W_mm{Eigen::Vector3d::Zero()};     ///< At rest; a point of the plane.
-  Eigen::Vector3d direction{Eigen::Vector3d::Zero()};  ///< Or normal of the plane; length 1.
+  Eigen::Vector3d direction{Eigen::Vector3d::Zero()};  ///< Direction, or normal of the plane; length 1.
   double radius_mm{};                                  ///< 1/e² of the beam there, at rest.
 };
 

@@ -7,8 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "hil/inspect/inspect.h"
+#include "hil/inspect/verdict/verdict.h"
 #include "hil/trace/json_text.h"
 #include "hil/trace/topics.h"
+#include "hil/vision/spot/spot_track.h"
 
 namespace kerfbench::trace {
 namespace {
@@ -49,7 +52,12 @@ const vision::SheetPose* poseOfUnit(const vision::FrameMeasurement& frame, int u
 
 class SpotBatch {
  public:
-  void add(const vision::FrameMeasurement& frame, const Followed& followed) {
+  using Pixel = std::function<Eigen::Vector2d(const Eigen::Vector2d& p_W_mm)>;
+  void add(const vision::FrameMeasurement& frame, const Followed& followed, const Pixel& pixel) {
+    const Eigen::Vector2d seen_px =
+        pixel && frame.spot_W_mm ? pixel(*frame.spot_W_mm) : Eigen::Vector2d::Constant(kNaN);
+    x_px_.add(seen_px.x(), kPixel);
+    y_px_.add(seen_px.y(), kPixel);
     const auto [x, y] =
         frame.spot_W_mm ? std::pair(frame.spot_W_mm->x(), frame.spot_W_mm->y()) : std::pair(kNaN, kNaN);
     const vision::SheetPose* const pose = poseOfUnit(frame, followed.unit);
@@ -76,7 +84,9 @@ class SpotBatch {
                                        {"sheet_rad", &sheet_rad_},
                                        {"unit", &unit_},
                                        {"entity", &entity_},
-                                       {"deviation_mm", &deviation_}}) {
+                                       {"deviation_mm", &deviation_},
+                                       {"x_px", &x_px_},
+                                       {"y_px", &y_px_}}) {
       appendColumn(text, name, *column);
       column->clear();
     }
@@ -85,20 +95,22 @@ class SpotBatch {
   }
 
  private:
-  static constexpr int kSigma = 5;
-  JsonColumn time_, x_, y_, sigma_, sheet_x_, sheet_y_, sheet_rad_, unit_, entity_, deviation_;
+  static constexpr int kSigma = 5, kPixel = 2;
+  JsonColumn time_, x_, y_, sigma_, sheet_x_, sheet_y_, sheet_rad_, unit_, entity_, deviation_, x_px_, y_px_;
 };
 
 }  // namespace
 
-void spotMessages(const report::RunReport& report, const TakeMessage& take) {
+void spotMessages(const report::RunReport& report,
+                  const std::function<Eigen::Vector2d(const Eigen::Vector2d& p_W_mm)>& pixel,
+                  const TakeMessage& take) {
   const std::vector<Followed> followed = followedOf(report.result);
   SpotBatch batch;
   double first_s = 0.0;
   for (const vision::FrameMeasurement& frame : report.spot.frames) {
     if (!batch.empty() && frame.mid_s - first_s >= kBatch_s) take(first_s, batch.take());
     if (batch.empty()) first_s = frame.mid_s;
-    batch.add(frame, followedAt(followed, frame.mid_s));
+    batch.add(frame, followedAt(followed, frame.mid_s), pixel);
   }
   if (!batch.empty()) take(first_s, batch.take());
 }

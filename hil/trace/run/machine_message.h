@@ -18,7 +18,7 @@ struct MachineFacts {
   const WiredSignals& signals;
   TickRate rate;
   double quantum_s{};
-  std::optional<double> period_s{};  ///< Of the controller's program.
+  std::optional<double> period_s{};  ///< Period of the controller's program.
   std::string gcode{};               ///< Empty: not known.
 };
 /// The message.

@@ -38,7 +38,7 @@ class Overview {
   struct Level {
     Topic topic{};
     double step_s{};
-    std::int64_t index{};  ///< Of the row in the making.
+    std::int64_t index{};  ///< Index of the row in the making.
     Row row;
     std::int64_t first{};  ///< Index of the message's first row.
     int rows{};

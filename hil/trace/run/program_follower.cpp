@@ -19,7 +19,7 @@ constexpr double kOnLine_mm = 0.4;
 constexpr double kReach_mm = 8.0;
 /// Beyond the reach, after a jump on a way of its own, a line has to be as near as this.
 constexpr double kFoundAgain_mm = 0.1;
-/// By so much a line that lies 1 mm ahead must be nearer than the one that the head was on.
+/// A line that lies 1 mm ahead must be nearer by so much than the one that the head was on.
 constexpr double kForwardCost = 0.01;
 
 }  // namespace

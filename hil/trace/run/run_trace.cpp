@@ -13,6 +13,8 @@
 #include "hil/base/version.h"
 #include "hil/judge/beam_aim.h"
 #include "hil/judge/pin_wiring.h"
+#include "hil/scenario/camera_files.h"
+#include "hil/trace/run/clip_page.h"
 #include "hil/trace/run/judged_messages.h"
 #include "hil/trace/run/machine_message.h"
 #include "twin/scene/moving_scene.h"
@@ -29,6 +31,9 @@ constexpr int kBatchesInChunk = 2;
 constexpr double kRowRounding_s = 1e-7;
 /// From which share of its full power on the laser counts as lit.
 constexpr double kLitShare = 0.01;
+
+/// Moments of a report that get a page of their own: each has all of the viewer in it.
+constexpr std::size_t kMomentPages = 3;
 
 constexpr int kDebug = 1, kInfo = 2, kError = 4;  // Levels of foxglove.Log.
 
@@ -103,6 +108,7 @@ RunTrace::RunTrace(TraceSource source)
       frames_(source_.frames_every, source_.test_case.machine.spot_camera.width_px,
               source_.test_case.machine.spot_camera.height_px) {
   if (source_.part.has_parent_path()) fs::create_directories(source_.part.parent_path());
+  file_ = std::make_unique<TraceFile>(source_.part, runFacts());
 }
 
 RunTrace::~RunTrace() = default;
@@ -117,8 +123,8 @@ std::map<std::string, std::string> RunTrace::runFacts() const {
           {"seed", std::to_string(scenario.seed)},
           {"twin", scenario::nameOf(scenario.fidelity)},
           {"imperfections", scenario::nameOf(scenario.imperfections)},
-          {"tick_num", std::to_string(parts_->rate.num)},
-          {"tick_den", std::to_string(parts_->rate.den)},
+          {"tick_num", std::to_string(source_.rate.num)},
+          {"tick_den", std::to_string(source_.rate.den)},
           {"quantum_s", fmt::format("{}", kRow_s)},
           {"version", base::version()}};
 }
@@ -144,7 +150,6 @@ void RunTrace::begins(const run::MachineState& state, TickRate rate) {
                          .place_of_steps = judge::placeOfSteps(test_case),
                          .follower = ProgramFollower(source_.gcode, {job.units, job.pitch_mm, job.alternate}),
                          .overview = Overview(overviewColumns(columns), wires, overview)});
-  file_ = std::make_unique<TraceFile>(source_.part, runFacts());
   file_->add(Topic::kMachine, 0,
              machineMessage({test_case, source_.machine, parts_->signals, rate, kRow_s, source_.period_s,
                              source_.gcode}));
@@ -328,26 +333,36 @@ void RunTrace::endParts() {
   parts_->overview.end();
 }
 
-void RunTrace::finish(const report::RunReport& report, const report::Digests& digests,
-                      const fs::path& folder) {
-  if (!parts_) throw std::logic_error("RunTrace: nothing was run");
-  endParts();
-  file_->close();
-  TraceFile whole(folder / kTraceFile, runFacts());
-  if (const Copied copied = copyMessages(source_.part, whole); !copied.problems.empty())
-    throw McapError(fmt::format("{}, {}", source_.part.string(), copied.problems.front()));
-  spotMessages(report, [&](double time_s, const std::string& json) {
-    whole.add(Topic::kSpot, nanoseconds(time_s), json);
-    whole.flushIfFull(TopicGroup::kCamera, kFinishedChunk_s);
-  });
+void RunTrace::addJudgement(const report::RunReport& report, TraceFile& whole) const {
+  std::function<Eigen::Vector2d(const Eigen::Vector2d&)> pixel;
+  const scenario::BenchCameras cameras = scenario::readCalibrations(source_.test_case);
+  if (cameras.spot)
+    pixel = [&cameras](const Eigen::Vector2d& p_W_mm) { return cameras.spot->pixelFromPlane(p_W_mm); };
+  const auto take = [&whole](Topic topic) {
+    return [&whole, topic](double time_s, const std::string& json) {
+      whole.add(topic, nanoseconds(time_s), json);
+      whole.flushIfFull(groupOf(topic), kFinishedChunk_s);
+    };
+  };
+  spotMessages(report, pixel, take(Topic::kSpot));
   whole.flush(TopicGroup::kCamera);
   frames_.forEach([&](std::uint64_t time_ns, std::string_view json) {
     whole.add(Topic::kFrames, time_ns, json);
     whole.flushIfFull(TopicGroup::kCamera, kFinishedChunk_s);
   });
-  checkMessages(report, [&](double time_s, const std::string& json) {
-    whole.add(Topic::kChecks, nanoseconds(time_s), json);
-  });
+  checkMessages(report, take(Topic::kChecks));
+}
+
+void RunTrace::finish(report::RunReport& report, const report::Digests& digests, const fs::path& folder,
+                      const fs::path& clip_page) {
+  if (!parts_) throw std::logic_error("RunTrace: nothing was run");
+  endParts();
+  file_->close();
+  const fs::path path = folder / kTraceFile;
+  TraceFile whole(path, runFacts());
+  if (const Copied copied = copyMessages(source_.part, whole); !copied.problems.empty())
+    throw McapError(fmt::format("{}, {}", source_.part.string(), copied.problems.front()));
+  addJudgement(report, whole);
   whole.addAttachment("scenario.yaml", "application/yaml", source_.test_case.scenario.text);
   if (!source_.gcode.empty()) whole.addAttachment("job.gcode", "text/plain", source_.gcode);
   whole.addMetadata("verdict", {{"verdict", std::string(inspect::verdictName(report.result.verdict))},
@@ -355,6 +370,16 @@ void RunTrace::finish(const report::RunReport& report, const report::Digests& di
                                 {"end_s", fmt::format("{}", report.virtual_s)}});
   whole.close();
   fs::remove(source_.part);
+  report.trace = kTraceFile;
+  if (!fs::exists(clip_page)) return;
+  for (std::size_t i = 0; i < std::min(report.moments.size(), kMomentPages); ++i) {
+    report::Moment& moment = report.moments[i];
+    moment.page = fmt::format("moment-{}.html", i + 1);
+    const fs::path clip = folder / "moment.mcap";
+    rewriteTrace(path, clip, {moment.time_s - kClipAround_s, moment.time_s + kClipAround_s});
+    writeClipPage(clip_page, clip, {report.scenario, moment.time_s}, folder / moment.page);
+    fs::remove(clip);
+  }
 }
 
 std::unique_ptr<RunTrace> tracing(TraceSource source, const judge::RunOptions& options,
@@ -363,17 +388,19 @@ std::unique_ptr<RunTrace> tracing(TraceSource source, const judge::RunOptions& o
   source.part = growingTrace(options.results_dir, source.folder_name, options.output);
   source.frames_every = options.trace_frames;
   const std::string part = fs::absolute(source.part).string();
-  console.say(fmt::format("trace: {}", source.part.string()));
   auto traced = std::make_unique<RunTrace>(std::move(source));
+  console.say(fmt::format("trace: {}", part));
   console.event("trace", {{"file", part}});
   return traced;
 }
 
-std::function<void(const report::RunReport&, const report::Digests&, const fs::path&)> finishing(
-    RunTrace* traced) {
+std::function<void(report::RunReport&, const report::Digests&, const fs::path&)> finishing(
+    RunTrace* traced, const judge::RunOptions& options, base::Console& console) {
   if (traced == nullptr) return {};
-  return [traced](const report::RunReport& report, const report::Digests& digests, const fs::path& folder) {
-    traced->finish(report, digests, folder);
+  return [traced, page = clipPage(options.bin_dir), &console](
+             report::RunReport& report, const report::Digests& digests, const fs::path& folder) {
+    console.endProgress();
+    traced->finish(report, digests, folder, page);
   };
 }
 

@@ -35,14 +35,16 @@ namespace kerfbench::trace {
 struct TraceSource {
   const scenario::Case& test_case;
   const twin::MachineDescription& machine;  ///< The one that runs.
-  std::string folder_name;                  ///< Of its results, below the results folder.
-  std::string firmware;                     ///< For people.
+  TickRate rate;
+  std::string folder_name;  ///< Folder of its results, below the results folder.
+  std::string firmware;     ///< For people.
   std::string source_id;
-  std::string gcode;                       ///< Of one unit; empty: not known.
-  std::optional<double> period_s{};        ///< Of the controller's program.
-  const source::PinRecording* recorded{};  ///< Of a replay: what no lockstep tells of it, sensors and words.
-  int frames_every{};                      ///< Every Nth frame of the spot camera is kept; 0: none.
-  std::filesystem::path part{};            ///< Where it grows.
+  std::string gcode;                 ///< The program of one unit; empty: not known.
+  std::optional<double> period_s{};  ///< Period of the controller's program.
+  const source::PinRecording*
+      recorded{};      ///< The recording of a replay: what no lockstep tells of it, sensors and words.
+  int frames_every{};  ///< Every Nth frame of the spot camera is kept; 0: none.
+  std::filesystem::path part{};  ///< Where it grows.
 };
 
 /// Where a trace grows: beside the folder `output`, or in that of the scenario's name below `results_dir`.
@@ -63,8 +65,9 @@ class RunTrace final : public run::Onlooker {
   void sawFrame(const Frame& frame) override;
 
   /// The run was judged: writes kTraceFile into a folder, and removes the file that grew.
-  void finish(const report::RunReport& report, const report::Digests& digests,
-              const std::filesystem::path& folder);
+  /// `clip_page`: see clipPage(); where it is, the first moments of the report get a page each.
+  void finish(report::RunReport& report, const report::Digests& digests, const std::filesystem::path& folder,
+              const std::filesystem::path& clip_page);
 
  private:
   struct Parts;  ///< What is known only when the run begins.
@@ -77,6 +80,7 @@ class RunTrace final : public run::Onlooker {
   void takeCommanded(const run::MachineState& state);
   void endBatch();
   void endParts();
+  void addJudgement(const report::RunReport& report, TraceFile& whole) const;
   [[nodiscard]] std::map<std::string, std::string> runFacts() const;
   [[nodiscard]] std::vector<SensorEdge> recordedSensors(Tick until);
   [[nodiscard]] std::span<const std::uint8_t> recordedWords(Tick until);
@@ -91,8 +95,8 @@ class RunTrace final : public run::Onlooker {
 /// say.
 std::unique_ptr<RunTrace> tracing(TraceSource source, const judge::RunOptions& options,
                                   base::Console& console);
-/// For Conclusion::finish_trace; empty for null.
-std::function<void(const report::RunReport&, const report::Digests&, const std::filesystem::path&)> finishing(
-    RunTrace* traced);
+/// Makes a Conclusion::finish_trace; empty for null.
+std::function<void(report::RunReport&, const report::Digests&, const std::filesystem::path&)> finishing(
+    RunTrace* traced, const judge::RunOptions& options, base::Console& console);
 
 }  // namespace kerfbench::trace
