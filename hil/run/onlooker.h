@@ -16,10 +16,10 @@ namespace kerfbench::run {
 /// What happened in (from, until]. Spans are valid during the call.
 struct Quantum {
   Tick from{}, until{};
-  std::span<const PinEvent> events;     ///< Of the controller, by tick.
-  std::span<const SensorEdge> sensors;  ///< Of its inputs, by tick; none of a recording.
-  std::span<const std::uint8_t> heard;  ///< From the controller's UART.
-  std::span<const std::uint8_t> said;   ///< To it.
+  std::span<const PinEvent> events;     ///< Edges of the controller, by tick.
+  std::span<const SensorEdge> sensors;  ///< Edges of its inputs, by tick; none of a recording.
+  std::span<const std::uint8_t> heard;  ///< Heard on the controller's UART.
+  std::span<const std::uint8_t> said;   ///< Sent to its UART.
 };
 
 /// Where the model had the machine at one instant.

@@ -303,7 +303,7 @@ std::size_t chunksIn(const fs::path& path) {
   try {
     return trace::traceInfo(path).chunks;
   } catch (const std::exception&) {
-    return 0;  // It is not there yet, or has not begun.
+    return 0;  // The file is not there yet, or has not begun.
   }
 }
 
