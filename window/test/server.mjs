@@ -10,11 +10,12 @@ const kLimit_ms = Number(process.env.KERFBENCH_BROWSER_LIMIT_MS ?? 60000);
 /**
  * Starts it on an empty folder and waits for the address that it prints.
  * @param {string} program path of kerfbench
+ * @param {string[]} more words of its command line
  * @returns {Promise<{ url: string, folder: string, close: () => Promise<void> }>} url: with the token that lets in once
  */
-export async function serve(program) {
+export async function serve(program, more = []) {
   const folder = mkdtempSync(join(tmpdir(), 'kerfbench-window-'));
-  const child = spawn(program, ['serve', folder, '--port', '0'], { stdio: ['ignore', 'pipe', 'pipe'] });
+  const child = spawn(program, ['serve', folder, '--port', '0', ...more], { stdio: ['ignore', 'pipe', 'pipe'] });
   const ended = new Promise((resolve) => child.once('exit', resolve));
   let said = '';
   const url = await new Promise((resolve, reject) => {

@@ -50,6 +50,19 @@ TEST_F(History, RunsAreListedOldestFirst) {
   EXPECT_THROW((void)runMeantBy(folder() / "notes"), base::InputError);
 }
 
+TEST_F(History, TellsWhatWasTested) {
+  nlohmann::json json = compare::plainVerdict();
+  json["serial_number"] = "K-7 <b>";
+  (void)compare::keep(json, temp_.path(), seconds_++);
+  (void)keep("PASS", "a");
+  std::vector<std::string> problems;
+  const std::vector<HistoryRow> rows = readHistory(folder(), problems);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_THAT(historyLines(rows)[0], HasSubstr("serial number K-7 <b>  "));
+  EXPECT_THAT(historyLines(rows)[1], testing::Not(HasSubstr("serial number")));
+  EXPECT_THAT(historyPage(rows), HasSubstr("<td>K-7 &lt;b&gt;</td>"));
+}
+
 TEST_F(History, ADamagedRunIsLeftOutAndTold) {
   (void)keep("PASS", "a");
   std::ofstream(keep("PASS", "b") / "verdict.json") << "{";

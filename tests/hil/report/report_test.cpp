@@ -65,6 +65,20 @@ TEST(VerdictJson, HasTheKeysOfItsSchema) {
   EXPECT_EQ(json["cuts"]["list"].size(), json["cuts"]["count"].get<std::size_t>());
 }
 
+TEST(SerialNumber, IsInEveryReportAndChangesNoDigest) {
+  RunReport report = reportOf(inspect::testing::SyntheticRun());
+  const std::string without = digestsOf(report).results;
+  EXPECT_EQ(nlohmann::json::parse(jsonOf(report))["serial_number"], "");
+  EXPECT_THAT(junitOf(report), Not(HasSubstr("serial_number")));
+  report.serial_number = "K-7 <b>";
+  EXPECT_EQ(digestsOf(report).results, without);
+  EXPECT_EQ(nlohmann::json::parse(jsonOf(report))["serial_number"], "K-7 <b>");
+  EXPECT_THAT(junitOf(report), HasSubstr("<property name=\"serial_number\" value=\"K-7 &lt;b"));
+  const std::string page = htmlReport(report, digestsOf(report));
+  EXPECT_THAT(page, HasSubstr("Serial number <b>K-7 &lt;b&gt;</b>"));
+  EXPECT_THAT(page, Not(HasSubstr("K-7 <b>")));
+}
+
 TEST(VerdictJson, WritesNoNumberAsNull) {
   inspect::testing::SyntheticRun run;
   run.evidence.kerf_calibration.reset();
