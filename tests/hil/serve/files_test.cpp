@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -53,8 +54,8 @@ TEST_F(FilesTest, CalibrationsByHandAreListedAndTold) {
     std::filesystem::create_directories(bench_.work() / folder);
   bench_.write("work/head/steps.json", R"({"version":1})");
   bench_.write("work/results/head/steps.json", "{}");
-  std::filesystem::last_write_time(bench_.path("work/results/head/steps.json"),
-                                   std::filesystem::file_time_type{});
+  const std::filesystem::path older = bench_.path("work/results/head/steps.json");
+  std::filesystem::last_write_time(older, std::filesystem::last_write_time(older) - std::chrono::hours(1));
   EXPECT_THAT(pathsIn(list()["service"]), testing::ElementsAre("head", "results/head"));
   EXPECT_EQ(client_.get("/api/service?path=head").body, R"({"version":1})");
   EXPECT_EQ(client_.get("/api/service?path=none").status, 404);

@@ -201,6 +201,8 @@ TEST_F(ServerProcessTest, RefusesWhatItCannotServe) {
   EXPECT_THAT(refused({"serve", "--address", "evil.example"}),
               Pair(65, HasSubstr("not an address as a number")));
   EXPECT_THAT(refused({"serve", "--port", "70000"}), Pair(64, HasSubstr("70000")));
+  EXPECT_THAT(refused({"serve", "--bench", "http://evil.example/"}),
+              Pair(65, HasSubstr("--bench http://evil.example/")));
   std::filesystem::remove(bench_.path("lib/kerfbench/window/index.html"));
   EXPECT_THAT(refused({"serve"}), Pair(65, HasSubstr("./bench serve makes them")));
 }
