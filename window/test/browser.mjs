@@ -148,7 +148,7 @@ export class Page {
       );
       if (value) return value;
       if (Date.now() > end)
-        throw new Error(`this never became true: ${body} ${JSON.stringify(args)}\n${await this.text()}`);
+        throw new Error(`this never became true: ${body} ${JSON.stringify(args)}\n${(await this.text()).slice(0, 1500)}`);
     }
   }
 

@@ -24,14 +24,17 @@ export function itemsOf(s) {
     // Most messages name their entities themselves.
     place: /\bE\d/.test(f.message) || !f.line ? '' : `line ${f.line} of the drawing`,
   }));
-  const job = (s.plan.value?.issues ?? []).map((/** @type {any} */ i) => ({
-    severity: i.severity ?? 'error',
-    message: i.message,
-    where: null,
-    entities: [],
-    line: i.line > 0 ? i.line : null,
-    place: i.line > 0 ? `G-code, line ${i.line}` : 'job',
-  }));
+  /** @type {Set<string>} */
+  const told = new Set();
+  const job = (s.plan.value?.issues ?? []).flatMap((/** @type {any} */ i) => {
+    // The place stands before the message already.
+    const message = i.line > 0 ? i.message.replace(/^G-code line \d+: /, '') : i.message;
+    if (told.has(`${i.line} ${message}`)) return [];
+    told.add(`${i.line} ${message}`);
+    const line = i.line > 0 ? i.line : null;
+    const place = line === null ? 'job' : `G-code, line ${line}`;
+    return [{ severity: i.severity ?? 'error', message, where: null, entities: [], line, place }];
+  });
   // A scenario that is refused has these beside its fields already.
   const planned =
     s.plan.state === 'failed' && s.check.value?.fits && S.isPlanned(s)
