@@ -65,6 +65,8 @@ const kKeys = {
   Delete: [46],
   Home: [36],
   End: [35],
+  ',': [188, ','],
+  '.': [190, '.'],
   PageUp: [33],
   PageDown: [34],
   ArrowLeft: [37],
@@ -148,7 +150,9 @@ export class Page {
       );
       if (value) return value;
       if (Date.now() > end)
-        throw new Error(`this never became true: ${body} ${JSON.stringify(args)}\n${(await this.text()).slice(0, 1500)}`);
+        throw new Error(
+          `this never became true: ${body} ${JSON.stringify(args)}\n${(await this.text()).slice(0, 1500)}`,
+        );
     }
   }
 
@@ -226,7 +230,7 @@ export class Page {
     const key = name === 'Space' ? ' ' : name;
     const common = {
       key,
-      code: name.length === 1 ? `Key${name.toUpperCase()}` : name,
+      code: /^[a-z]$/i.test(name) ? `Key${name.toUpperCase()}` : name.length === 1 ? '' : name,
       windowsVirtualKeyCode: code,
       modifiers,
     };

@@ -16,8 +16,12 @@ const kLimit_ms = Number(process.env.KERFBENCH_BROWSER_LIMIT_MS ?? 60000);
 export async function serve(program, more = []) {
   const folder = mkdtempSync(join(tmpdir(), 'kerfbench-window-'));
   const child = spawn(program, ['serve', folder, '--port', '0', ...more], { stdio: ['ignore', 'pipe', 'pipe'] });
-  const ended = new Promise((resolve) => child.once('exit', resolve));
   let said = '';
+  let closing = false;
+  const ended = new Promise((resolve) => child.once('exit', resolve));
+  child.once('exit', (code, signal) => {
+    if (!closing) console.error(`kerfbench serve ended by itself with ${signal ?? code}:\n${said}`);
+  });
   const url = await new Promise((resolve, reject) => {
     const end = setTimeout(() => reject(new Error(`no address within the limit:\n${said}`)), kLimit_ms);
     const hear = (/** @type {Buffer} */ part) => {
@@ -36,6 +40,7 @@ export async function serve(program, more = []) {
     url,
     folder,
     async close() {
+      closing = true;
       child.kill('SIGTERM');
       await ended;
       rmSync(folder, { recursive: true, force: true });
