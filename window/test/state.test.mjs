@@ -53,7 +53,9 @@ test('a scenario that names its G-code is by hand', () => {
 
 test('Start needs a job, a check without errors, and no other run', () => {
   assert.notEqual(S.whyNotStart(S.initialState()), '');
-  assert.notEqual(S.whyNotStart(open()), '', 'not checked yet');
+  assert.equal(S.whyNotStart(open()), '', 'it waits for the check');
+  assert.ok(S.isUnsettled(open()) && !S.isUnsettled(good(open())));
+  assert.ok(S.isUnsettled({ ...good(open()), editing: 1 }), 'a field that was just left');
   assert.equal(S.whyNotStart(good(open())), '');
   const bad = S.answered(good(open()), 'check', {
     issues: [

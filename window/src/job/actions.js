@@ -109,15 +109,36 @@ export function createActions(store) {
 
   // Edits come one after the other, each on the text that the one before has left.
   let edits = Promise.resolve();
+  /** @param {(job: S.Job) => Promise<void>} edit @returns {Promise<void>} */
+  function inTurn(edit) {
+    update((state) => ({ ...state, editing: state.editing + 1 }));
+    edits = edits.then(async () => {
+      const before = job();
+      if (before) await edit(before);
+      update((state) => ({ ...state, editing: state.editing - 1 }));
+    });
+    return edits;
+  }
+
+  /** Ends when all that was asked for has been answered. @returns {Promise<void>} */
+  const settled = () =>
+    new Promise((resolve) => {
+      const look = () => {
+        if (S.isUnsettled(store.get())) return false;
+        resolve();
+        return true;
+      };
+      if (look()) return;
+      const stop = store.subscribe(() => look() && stop());
+    });
+
   /**
    * Sets keys of the scenario; null removes one. A refusal is shown beside the first key.
    * @param {{ path: string | string[], value: any }[]} set @returns {Promise<void>}
    */
   function setKeys(set) {
     const key = [set[0].path].flat().join('.');
-    edits = edits.then(async () => {
-      const before = job();
-      if (!before) return;
+    return inTurn(async (before) => {
       try {
         const { text } = await sendJson('/api/edit', { text: before.text, set });
         update((state) => {
@@ -128,15 +149,12 @@ export function createActions(store) {
         update((state) => ({ ...state, editFault: { ...state.editFault, [key]: faultOf(error).message } }));
       }
     });
-    return edits;
   }
 
   /** @param {number[]} order empty: as planned @returns {Promise<void>} */
   function setOrder(order) {
     update(S.having({ orderDraft: order.length > 0 ? order : null }));
-    edits = edits.then(async () => {
-      const before = job();
-      if (!before) return;
+    return inTurn(async (before) => {
       try {
         const { text } = await sendJson('/api/order', { scenario_text: before.text, path: before.path, order });
         update((state) => S.edited(state, text));
@@ -144,7 +162,6 @@ export function createActions(store) {
         complain(error);
       }
     });
-    return edits;
   }
 
   /**
@@ -277,10 +294,12 @@ export function createActions(store) {
     const before = job();
     if (!before) return;
     // The verdict of the run before goes at once, so that nobody takes it for this one's.
-    const run = runBegun({ id: '', state: 'starting' }, before.path);
-    update(S.having({ run, notice: null, playing: false }));
+    update(S.having({ run: runBegun({ id: '', state: 'starting' }, before.path), notice: null, playing: false }));
     try {
-      if (S.isChanged(before) && !(await save())) return update(S.having({ run: null }));
+      await settled();
+      const reason = S.whyNotStart({ ...store.get(), run: null });
+      if (reason !== '') throw new Error(reason);
+      if (S.isChanged(job()) && !(await save())) return update(S.having({ run: null }));
       const scenario = job()?.path ?? before.path;
       const answer = await sendJson('/api/runs', { scenario, trace: true });
       update(S.having({ run: runBegun(answer, scenario) }));

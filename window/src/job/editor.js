@@ -51,6 +51,7 @@ const look = EditorView.theme({
   '.cm-gutters': { backgroundColor: 'var(--card)', color: 'var(--mute)', border: 'none' },
   '.cm-activeLine, .cm-activeLineGutter': { backgroundColor: 'transparent' },
   '&.cm-focused .cm-activeLine': { backgroundColor: 'var(--card)' },
+  '&.cm-focused': { outline: '2px solid var(--acc)', outlineOffset: '-2px' },
   '.cm-cursor': { borderLeftColor: 'var(--fg)' },
   '&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground': {
     backgroundColor: 'var(--acc-soft)',

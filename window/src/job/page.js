@@ -36,6 +36,11 @@ export function mountPage(root, store, actions) {
   takeKeys(store, actions);
   watch(
     store,
+    (state) => [S.isUnsettled(state), state.busy],
+    (state) => page.setAttribute('aria-busy', String(S.isUnsettled(state) || state.busy !== '')),
+  );
+  watch(
+    store,
     (state) => [state.job?.path, S.isChanged(state.job)],
     ({ job }) => {
       document.title = job ? `${S.isChanged(job) ? '• ' : ''}${job.path} · Kerfbench` : 'Kerfbench';
@@ -73,7 +78,7 @@ function top(store, actions) {
   const why = h('span', { id: 'why-not', class: 'visually-hidden' });
   watch(
     store,
-    (s) => [s.job, s.busy, s.check, s.plan, s.run, s.session],
+    (s) => [s.job, s.busy, s.check, s.plan, s.run, s.session, s.editing],
     (s) => {
       say(name, s.job ? s.job.path.slice(s.job.path.lastIndexOf('/') + 1) : '');
       mark(name, 'title', s.job?.path);

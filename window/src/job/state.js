@@ -19,7 +19,7 @@
  *   exitCode: number | null, judged: any, log: string[], stopping: boolean, fault: string }} Run */
 /** @typedef {{ session: any, files: any, reference: any[], job: Job | null, check: Answer<any>, plan: Answer<any>,
  *   selected: number[], line: number | null, finding: number | null, period: number, playing: boolean, run: Run | null,
- *   stage: Stage, orderDraft: number[] | null, busy: string, notice: { kind: 'error' | 'done', text: string, issues: Issue[] } | null, editFault: Record<string, string> }} State */
+ *   stage: Stage, orderDraft: number[] | null, editing: number, busy: string, notice: { kind: 'error' | 'done', text: string, issues: Issue[] } | null, editFault: Record<string, string> }} State */
 
 /** How the drawing is looked at. `measure`: none, one or two places in S.
  * @typedef {{ tool: 'select' | 'move' | 'measure', colour: 'power' | 'speed' | 'reach', jumps: boolean, numbers: boolean,
@@ -42,6 +42,7 @@ export const initialState = () => ({
   period: 0,
   playing: false,
   orderDraft: null,
+  editing: 0,
   run: null,
   stage: { tool: 'select', colour: 'power', jumps: true, numbers: false, measure: [], show: 'drawing' },
   busy: '',
@@ -224,16 +225,20 @@ export function obstacles(state) {
   return [...errors(plan.value?.issues ?? []), ...faults];
 }
 
-/** May Start be pressed? @param {State} state @returns {string} why not, in a sentence; empty: yes */
+/** Is an edit, a check or a plan under way? What is known then is known of an earlier text. @param {State} state */
+export const isUnsettled = ({ job, editing, check, plan }) =>
+  job !== null && (editing > 0 || [check, plan].some(({ state }) => state === 'busy' || state === 'none'));
+
+/**
+ * May Start be pressed? While something is under way it may, and waits for it: who leaves a field by pressing Start means the new value.
+ * @param {State} state @returns {string} why not, in a sentence; empty: yes
+ */
 export function whyNotStart(state) {
   if (!state.job) return 'Open a scenario or drop a drawing first.';
   if (state.session && state.session.can_run === false) return 'This server only shows traces.';
   if (state.run && isGoing(state.run)) return 'A run is going on.';
   if (state.job.readOnly && isChanged(state.job)) return 'Save a copy first: what is shipped stays as it is.';
-  const waits = (/** @type {Answer<any>} */ { state: at }) => at === 'busy' || at === 'none';
-  if (waits(state.check)) return 'The scenario is being checked.';
-  if (waits(state.plan)) return 'The job is being planned.';
-  const count = obstacles(state).length;
+  const count = isUnsettled(state) ? 0 : obstacles(state).length;
   if (count > 0) return count === 1 ? 'One fault must be mended first.' : `${count} faults must be mended first.`;
   return '';
 }
