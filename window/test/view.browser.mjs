@@ -72,7 +72,6 @@ const views = (t_s) => page.until(`(t) => {
     t_s: v.timeline.get().t_s, levels,
     mirrors: ['x mirror', 'y mirror'].map((name) => v.machine.view.planeOf(name)),
     frame: document.querySelector('[aria-label="Frame and measured spot"]').textContent,
-    word: document.querySelector('.tv-word[aria-current]')?.textContent ?? '',
     line: Number(document.querySelector('.tv-code[aria-current] .tv-line-number')?.textContent ?? 0),
     time: document.querySelector('.tv-time').value,
   };
@@ -131,8 +130,10 @@ for (const t_s of [3.5, 4.9125, 7.2]) {
     }
     const frame = lastUpTo(topic('/frames'), t_s, ({ json }) => json.start_s);
     assert.ok(seen.frame.startsWith(`frame ${frame.json.sequence},`), seen.frame);
+    await page.click('[role=tab]', 'Words');
+    const spoken = await page.until("() => document.querySelector('.tv-word[aria-current]')?.textContent");
     const word = lastUpTo(topic('/uart'), t_s, ({ json: { timestamp } }) => timestamp.sec + 1e-9 * timestamp.nsec);
-    assert.ok(seen.word.includes(word.json.message) && seen.word.replaceAll(' ', '').endsWith(word.json.hex), `${seen.word}, not ${word.json.hex}`);
+    assert.ok(spoken.includes(word.json.message) && spoken.replaceAll(' ', '').endsWith(word.json.hex), `${spoken}, not ${word.json.hex}`);
     const lines = topic('/gcode').flatMap(({ json }) => json.t_s.map((t, i) => ({ t, line: json.line[i] })));
     assert.equal(seen.line, lastUpTo(lines, t_s, ({ t }) => t).line);
     await shot(`at-${t_s}`);

@@ -11,6 +11,7 @@ import { countUpTo } from '../trace/search.js';
 /** @typedef {import('../trace/trace.js').Trace} Trace */
 
 const kTrail_s = 0.06;
+const kSeen_s = 1.5; // Measured spots of so long before the cursor are shown.
 const kEdge_px = 18;
 
 /** @type {import('../view/panel.js').MakePanel} */
@@ -150,7 +151,7 @@ function drawTrails(context, trace, t_s, unit, to, theme) {
 function drawMeasured(context, trace, t_s, unit, to, theme) {
   context.fillStyle = theme.measured;
   context.globalAlpha = 0.5;
-  for (const { t_s: times, columns } of trace.rows('/spot', t_s - 3, t_s)) {
+  for (const { t_s: times, columns } of trace.rows('/spot', t_s - kSeen_s, t_s)) {
     const end = countUpTo(times, t_s);
     for (let i = 0; i < end; ++i) {
       if (columns.unit[i] !== unit) continue;

@@ -10,7 +10,7 @@ import { rowsList } from './rows_list.js';
 
 /** @typedef {{timestamp: {sec: number, nsec: number}, level: number, name: string, message: string, hex?: string}} Word */
 
-const kChunks = 12; // So many are looked at around the cursor.
+const kChunks = 2; // So many are looked at before the cursor, of about a second each.
 
 /** @type {import('../view/panel.js').MakePanel} */
 export function wordsPanel({ body, tools, trace, timeline }) {
@@ -36,6 +36,7 @@ export function wordsPanel({ body, tools, trace, timeline }) {
   empty.hidden = trace.file.has('/uart');
   body.append(empty);
   const update = () => {
+    if (body.hidden) return; // Nobody reads them: they are not read from the file either.
     const { t_s } = timeline.get();
     const words = wordsAround(trace, t_s);
     const index = countUpTo(words.map(timeOfFrame), t_s + 1e-9) - 1;
@@ -45,8 +46,10 @@ export function wordsPanel({ body, tools, trace, timeline }) {
     say(where, words.length ? `${index + 1} of the ${words.length} around the cursor` : '');
   };
   update();
+  const shown = new MutationObserver(update);
+  shown.observe(body, { attributes: true, attributeFilter: ['hidden'] });
   const stop = [timeline.subscribe((state, before) => state.t_s !== before.t_s && update()), trace.onLoad(update)];
-  return { current: () => current, close: () => { for (const end of stop) end(); list.close(); } };
+  return { current: () => current, close: () => { for (const end of stop) end(); shown.disconnect(); list.close(); } };
 }
 
 /** @param {import('../trace/trace.js').Trace} trace @param {number} t_s @returns {Word[]} */
@@ -55,6 +58,6 @@ function wordsAround(trace, t_s) {
   if (!chunks.length) return [];
   const at = countUpTo(chunks.map((index) => trace.file.chunks[index].start_s), t_s);
   const from = chunks[Math.max(0, at - kChunks)];
-  const to = chunks[Math.min(chunks.length - 1, at + 1)];
+  const to = chunks[Math.max(0, at - 1)];
   return trace.messages('/uart', trace.file.chunks[from].start_s, trace.file.chunks[to].end_s);
 }

@@ -18,10 +18,12 @@ import { Viewer } from './viewer.js';
  * @returns {Promise<Viewer>} @throws {Error} that says why it cannot be shown
  */
 export async function mountViewer(element, { trace, name, t_s }) {
+  performance.mark('kerfbench-trace-asked');
   fill(element, h('p', { class: 'tv-opening', role: 'status' }, 'Opening the trace …'));
   const opened = await Trace.open(readableOf(trace));
   const title = name ?? (typeof trace === 'string' ? trace : '');
   const viewer = new Viewer(element, opened, { t_s, name: title });
+  performance.mark('kerfbench-trace-opened');
   document.title = `${opened.machine.scenario}: trace · Kerfbench`;
   return viewer;
 }
