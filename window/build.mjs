@@ -12,7 +12,7 @@ import { parseArgs } from 'node:util';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 /** Scripts of the pages, by the name under which a page asks for them. */
-const scripts = { main: 'src/main.js' };
+const scripts = { main: 'src/main.js', unpack: 'src/trace/unpack_worker.js' };
 /** Files that are handed out as they are. */
 const pages = ['index.html'];
 
@@ -60,6 +60,7 @@ async function clipPage(made) {
     legalComments: 'none',
     metafile: true,
     write: false,
+    define: { kWorkerScript: "''" }, // It asks for nothing, not even for a worker.
     logLevel: 'warning',
   });
   const text = (/** @type {string} */ end) => outputFiles.find((file) => file.path.endsWith(end))?.text ?? '';
@@ -86,6 +87,7 @@ async function bundle(out) {
     outdir: made,
     bundle: true,
     splitting: true,
+    define: { kWorkerScript: "'./unpack.js'" },
     format: 'esm',
     target: ['chrome110', 'firefox115', 'safari16'],
     minify: true,

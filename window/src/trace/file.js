@@ -10,6 +10,7 @@ import {
   unpackedChunk,
 } from './records.js';
 import { countBefore, countUpTo } from './search.js';
+import { unpacked } from './unpacker.js';
 
 /**
  * @typedef {import('./readable.js').Readable} Readable
@@ -83,7 +84,7 @@ export class TraceFile {
     const record = await this.readable.read(BigInt(offset), BigInt(length));
     /** @type {Map<string, Message[]>} */
     const byTopic = new Map();
-    eachRecord(unpackedChunk(record.subarray(kRecordHead_bytes)), {
+    eachRecord(await unpacked(record.subarray(kRecordHead_bytes)), {
       message: (message) => {
         const topic = this.topics.get(message.channel) ?? '';
         const list = byTopic.get(topic);
