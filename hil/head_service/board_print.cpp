@@ -93,7 +93,7 @@ PrintPage boardPrint(const calibrate::MarkJob& job, const BoardNotes& notes) {
   originTicks(page, box, p_SP_mm);
   const Vector2d rulers = rulersOf(job);
   ruler(page, {kSide_mm, text_mm + kBelow_mm - 6.0}, rulers.x(), Vector2d::UnitX(), -Vector2d::UnitY());
-  ruler(page, {kSide_mm - 6.0, text_mm + kBelow_mm}, rulers.y(), Vector2d::UnitY(), -Vector2d::UnitX());
+  ruler(page, {kSide_mm - 9.0, text_mm + kBelow_mm}, rulers.y(), Vector2d::UnitY(), -Vector2d::UnitX());
   axes(page, {kSide_mm, text_mm + 2.0});
   double line_mm = text_mm - kLine_mm;
   const auto say = [&](const std::string& text) {

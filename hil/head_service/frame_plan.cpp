@@ -109,13 +109,20 @@ FolderOfFrames framesIn(const fs::path& folder) {
     if (!fs::is_regular_file(folder / file, ignored)) found.missing.push_back(file);
   }
   found.named = named.size();
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string(), ending = entry.path().extension().string();
-    const bool picture = ending == ".png" || ending == ".jpg" || ending == ".jpeg";
-    if (entry.is_regular_file() && picture && !named.contains(name)) found.unnamed.push_back(name);
-  }
-  std::ranges::sort(found.unnamed);
+  for (const std::string& name : picturesIn(folder))
+    if (!named.contains(name)) found.unnamed.push_back(name);
   return found;
+}
+
+std::vector<std::string> picturesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string ending = entry.path().extension().string();
+    const bool picture = ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+    if (entry.is_regular_file() && picture) names.push_back(entry.path().filename().string());
+  }
+  std::ranges::sort(names);
+  return names;
 }
 
 }  // namespace kerfbench::head_service

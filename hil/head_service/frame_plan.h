@@ -41,5 +41,7 @@ struct FolderOfFrames {
   [[nodiscard]] bool whole() const { return missing.empty(); }
 };
 FolderOfFrames framesIn(const std::filesystem::path& folder);
+/// Pictures (PNG, JPEG) of a folder, by name.
+std::vector<std::string> picturesIn(const std::filesystem::path& folder);
 
 }  // namespace kerfbench::head_service

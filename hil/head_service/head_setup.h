@@ -44,6 +44,8 @@ struct HeadSetup {
   std::optional<calibrate::AimGrid> table;  ///< The machine's own so far.
   std::filesystem::path table_file;         ///< Empty: none.
   std::string digest;                       ///< Digest of all files that say so.
+  /// Calibration of the scanner that sheets cut by hand are scanned with; empty: none is told.
+  std::filesystem::path scanner_file;
   /// Error of encoders, lens and board beyond the model, HeadTolerances::unmodelled_share.
   double unmodelled_share{calibrate::HeadTolerances{}.unmodelled_share};
 };

@@ -19,6 +19,7 @@
 #include "hil/calibrate/tables/csv_table.h"
 #include "hil/head_service/board_print.h"
 #include "hil/head_service/frame_plan.h"
+#include "hil/head_service/scanned_sheet.h"
 #include "hil/scenario/case.h"
 
 namespace kerfbench::head_service {
@@ -102,7 +103,7 @@ MeasuredSheet SheetByHand::operator()(const SheetOrder& order) const {
   const fs::path pictures = request.folder / kPictures;
   fs::create_directories(pictures);
   if (!fs::exists(pictures / kTileList)) {
-    const bool others = !fs::is_empty(pictures);
+    const bool others = scanIn(pictures).empty() && !picturesIn(pictures).empty();
     if (others) {
       // Under their own names they might pass for those of the plan.
       want(order, std::move(request),
@@ -111,8 +112,10 @@ MeasuredSheet SheetByHand::operator()(const SheetOrder& order) const {
     base::writeFileAtomically(pictures / kTileList, tilesTemplate(order.job, setup_.camera,
                                                                   expectedFrames(order.job, setup_.camera)));
   }
+  if (!fs::exists(pictures / kScanList))
+    base::writeFileAtomically(pictures / kScanList, scanTemplate(setup_.scanner_file));
   const FolderOfFrames frames = framesIn(pictures);
-  if (!frames.whole()) want(order, std::move(request), wordsOf(frames, pictures));
+  if (scanIn(pictures).empty() && !frames.whole()) want(order, std::move(request), wordsOf(frames, pictures));
   try {
     MeasuredSheet sheet = measured(order, request);
     steps_->measured(order, sheet);
@@ -130,7 +133,8 @@ MeasuredSheet SheetByHand::measured(const SheetOrder& order, const SheetRequest&
   const calibrate::MarkJob as_filed = calibrate::readMarkJob(request.folder / kSheetJob);
   const std::string digest = digestOf(order.job, order.table, pictures);
   if (auto before = readMeasured(request.folder / kSheetMeasured, as_filed, digest)) return *before;
-  MeasuredSheet sheet = measurePictures(pictures, as_filed, setup_, bench_.threads);
+  MeasuredSheet sheet = scanIn(pictures).empty() ? measurePictures(pictures, as_filed, setup_, bench_.threads)
+                                                 : measureScan(pictures, as_filed, setup_, bench_.threads);
   sheet.digest = digest;
   base::writeFileAtomically(request.folder / kSheetMeasured, measuredText(sheet));
   return sheet;

@@ -29,7 +29,8 @@ class SheetWanted : public std::runtime_error {
 ///     run.yaml, machine.yaml  the same as a scenario
 ///     NEXT.txt                what is to be done
 ///     pictures/               to be put there, beside tiles.yaml (hil/camera/tile_folder.h), which is a
-///                             template of the pictures that are expected (frame_plan.h)
+///                             template of the pictures that are expected (frame_plan.h); or one scan
+///                             (scanned_sheet.h)
 ///     measured.yaml           what they showed
 class SheetByHand {
  public:

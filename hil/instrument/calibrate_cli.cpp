@@ -52,6 +52,9 @@ void addSourceOfPictures(CLI::App* head, HeadCalibrateOptions& options) {
                    "By hand: release of the controller that cuts, such as controller-avr.hex; otherwise\n"
                    "controller-native-galvo")
       ->needs(by_hand);
+  head->add_option("--scanner", options.scanner,
+                   "By hand: calibration of the scanner (calibrate scanner) for sheets that are scanned")
+      ->needs(by_hand);
   CLI::Option* job = head->add_option("--job", options.job,
                                       "From pictures alone: the job (marks.yaml) that was cut; no table is "
                                       "verified");

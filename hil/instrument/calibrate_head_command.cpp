@@ -249,6 +249,7 @@ int calibrate(const HeadCalibrateOptions& options) {
   head_service::HeadSetup setup =
       head_service::readHeadSetup(options.machine, std::ranges::max(options.grids), options.table);
   setup.unmodelled_share = options.unmodelled_share;
+  setup.scanner_file = options.scanner;
   const head_service::HeadPlan plan = planOf(options, setup);
   fs::create_directories(options.results_dir);
   console.say(fmt::format("head of {}, kerf camera {}", setup.name, setup.camera.camera_id));

@@ -178,6 +178,7 @@ int check(const HeadCheckOptions& options) {
   const std::string date = dayOf(options, setup);
   const head_service::HeadRecord record = head_service::readHeadRecord(options.calibration, setup);
   setup.unmodelled_share = record.unmodelled_share;
+  setup.scanner_file = options.scanner;
   const fs::path table_file = tableAtWork(options, setup, record);
   const calibrate::AimGrid table = head_service::readControllerTable(table_file);
   fs::create_directories(options.results_dir);

@@ -6,6 +6,7 @@
 #include "hil/instrument/cli.h"
 #include "hil/instrument/head_check_command.h"
 #include "hil/instrument/reversal_command.h"
+#include "hil/instrument/scanner_command.h"
 #include "hil/instrument/table_command.h"
 #include "hil/scenario/scenario.h"
 
@@ -101,6 +102,10 @@ void addCheck(CLI::App& calibrate, const cli::CliProgram& program, cli::CliActio
       check->add_flag("--by-hand", o.by_hand,
                       "The sheet is cut on a machine and photographed by people, as with `calibrate head`");
   check->add_option("--image", o.image, "By hand: release of the controller that cuts")->needs(by_hand);
+  check
+      ->add_option("--scanner", o.scanner,
+                   "By hand: calibration of the scanner (calibrate scanner) for sheets that are scanned")
+      ->needs(by_hand);
   CLI::Option* job =
       check->add_option("--job", o.job, "From pictures alone: the job (marks.yaml) that was cut");
   CLI::Option* pictures =
@@ -191,12 +196,35 @@ void addTable(CLI::App& calibrate, cli::CliActions& actions) {
   actions.add(table, std::move(holder), calibrateTableCommand);
 }
 
+void addScanner(CLI::App& calibrate, cli::CliActions& actions) {
+  auto holder = std::make_shared<ScannerCommandOptions>();
+  ScannerCommandOptions& o = *holder;
+  CLI::App* scanner = calibrate.add_subcommand(
+      "scanner",
+      "Calibrate a flatbed scanner by one scan of the target: both scales, skew, bar, wobble of the "
+      "carriage. Sheets\n"
+      "that `calibrate head --by-hand` asks for can then be scanned in place of being photographed.\n"
+      "Exit code 65: the scan is refused, nothing is written.");
+  scanner->add_option("--scan", o.scan, "Picture of the whole glass, the target face down on it")->required();
+  scanner->add_option("--target", o.target, "Description of the target (calibrate target writes it)")
+      ->required();
+  scanner->add_option("--dpi", o.dpi, "Resolution that was asked of the scanner")
+      ->check(CLI::Range(100.0, 4800.0))
+      ->capture_default_str();
+  scanner->add_option("--date", o.date, "Day of the scan, like 2026-11-21")->required();
+  scanner->add_option("--id", o.id, "Name of the scanner; otherwise that of --out");
+  scanner->add_option("--out", o.out, "Calibration file")->capture_default_str();
+  scanner->add_flag("--quiet,-q", o.quiet, "Only the result");
+  actions.add(scanner, std::move(holder), calibrateScannerCommand);
+}
+
 }  // namespace
 
 void addHeadTools(CLI::App& calibrate, const cli::CliProgram& program, cli::CliActions& actions) {
   addCheck(calibrate, program, actions);
   addReversal(calibrate, program, actions);
   addTable(calibrate, actions);
+  addScanner(calibrate, actions);
 }
 
 }  // namespace kerfbench::instrument

@@ -110,6 +110,7 @@ TEST_F(HeadPictures, ByHandSpoiledPicturesAreToldAndTheRightOnesTakenLater) {
     fs::remove_all(pictures);
   };
   EXPECT_EQ(again().exit_code, kWaiting);
+  fs::remove_all(pictures);
   fs::copy(live() / "1-grid/pictures", pictures);
   fs::remove(pictures / "tiles.yaml");
   refused_with(kWaiting, "but no tiles.yaml");

@@ -55,33 +55,54 @@ TEST_F(HeadTools, ByHandTheSameSheetsGiveTheSameTable) {
   for (; last.exit_code == kWaiting && sheets < 10; ++sheets) {
     // The waiting sheet is the one without pictures.
     for (const auto& sheet : fs::directory_iterator(by_hand)) {
-      if (!sheet.is_directory() || fs::exists(sheet.path() / "pictures")) continue;
+      if (!sheet.is_directory() || fs::exists(sheet.path() / "measured.yaml")) continue;
       const std::string name = sheet.path().filename().string();
       SCOPED_TRACE(name);
       EXPECT_THAT(last.output, HasSubstr(name + ": a sheet is to be cut"));
       EXPECT_THAT(last.output, HasSubstr("Run again: ./bench calibrate head"));
-      for (const char* file : {"NEXT.txt", "marks.dxf", "job.gcode", "program.txt", "print.svg", "run.yaml"})
+      for (const char* file : {"NEXT.txt", "marks.dxf", "job.gcode", "program.txt", "print.svg", "print.pdf",
+                               "run.yaml", "pictures/tiles.yaml", "pictures/scan.yaml"})
         EXPECT_FALSE(textOf(sheet.path() / file).empty()) << file;
       EXPECT_EQ(fs::exists(sheet.path() / "table.csv"), name != "1-grid");
       // The operator gets the very job that the twin got.
       ASSERT_EQ(textOf(sheet.path() / "marks.yaml"), textOf(calibrated() / name / "marks.yaml"));
-      fs::copy(calibrated() / name / "pictures", sheet.path() / "pictures");
+      fs::copy(calibrated() / name / "pictures", sheet.path() / "pictures",
+               fs::copy_options::overwrite_existing | fs::copy_options::recursive);
+      const auto steps = nlohmann::json::parse(textOf(by_hand / "steps.json"));
+      EXPECT_EQ(steps.at("headline"), fmt::format("Cut sheet {}: {} marks", name,
+                                                  name == "1-grid"   ? 9
+                                                  : name == "2-grid" ? 25
+                                                                     : 20));
+      EXPECT_EQ(steps.at("verdict"), "");
     }
     last = run();
   }
   EXPECT_EQ(last.exit_code, 0) << last.output;
   EXPECT_GE(sheets, 2);
   EXPECT_EQ(textOf(by_hand / "correction.csv"), textOf(calibrated() / "correction.csv"));
+  const auto steps = nlohmann::json::parse(textOf(by_hand / "steps.json"));
+  EXPECT_EQ(steps.at("verdict"), "GOOD");
+  EXPECT_EQ(steps.at("steps").back().at("id"), "controller");
+  EXPECT_EQ(steps.at("steps").back().at("state"), "now");
+  EXPECT_THAT(textOf(by_hand / "steps.html"), HasSubstr("<div class=big>GOOD</div>"));
 }
 
 TEST_F(HeadTools, ByHandTellsWrongPicturesAndWritesNoTable) {
   const std::string command =
       fmt::format("calibrate head {} --by-hand --results-dir '{}'", options(), path("by-hand").string());
   EXPECT_EQ(kerfbench(command).exit_code, kWaiting);
+  fs::copy_file(calibrated() / "1-verify-1/pictures/tile-0000.png",
+                path("by-hand/1-grid/pictures/tile-0000.png"));
+  const ProgramRun some = kerfbench(command);
+  EXPECT_EQ(some.exit_code, kWaiting) << some.output;
+  EXPECT_THAT(some.output, HasSubstr("are missing: tile-0001.png, "));
+  fs::remove_all(path("by-hand/1-grid/pictures"));
   fs::copy(calibrated() / "1-verify-1/pictures", path("by-hand/1-grid/pictures"));
   const ProgramRun wrong = kerfbench(command);
   EXPECT_EQ(wrong.exit_code, 3) << wrong.output;
   EXPECT_THAT(wrong.output, HasSubstr("another job's sheet"));
+  const auto steps = nlohmann::json::parse(textOf(path("by-hand/steps.json"))).at("steps");
+  EXPECT_THAT(steps.at(3).at("wrong").dump(), HasSubstr("another job's sheet"));
   // The right pictures in their place are accepted.
   fs::remove_all(path("by-hand/1-grid/pictures"));
   fs::copy(calibrated() / "1-grid/pictures", path("by-hand/1-grid/pictures"));
@@ -164,8 +185,20 @@ TEST_F(HeadTools, AnUnchangedHeadHoldsOnTheTwinFromPicturesAndByHand) {
   EXPECT_EQ(check(by_hand).exit_code, kWaiting);
   EXPECT_EQ(textOf(path("by-hand/check/marks.yaml")), textOf(sheet / "marks.yaml"));
   EXPECT_EQ(textOf(path("by-hand/check/table.csv")), textOf(calibrated() / "correction.csv"));
-  fs::copy(sheet / "pictures", path("by-hand/check/pictures"));
+  fs::copy(sheet / "pictures", path("by-hand/check/pictures"),
+           fs::copy_options::overwrite_existing | fs::copy_options::recursive);
   EXPECT_EQ(check(by_hand).output, live.output);
+  EXPECT_EQ(nlohmann::json::parse(textOf(path("by-hand/steps.json"))).at("verdict"), "HOLDS");
+
+  // Checks of other days make a trend.
+  for (const char* day : {"2026-12-24", "2027-01-21"})
+    EXPECT_EQ(check(fmt::format("--results-dir '{}' --date {} -q", path("live").string(), day)).exit_code, 0);
+  const std::string kept = textOf(path("live/checks.jsonl"));
+  EXPECT_EQ(std::ranges::count(kept, '\n'), 3);
+  EXPECT_THAT(textOf(path("live/check.html")), HasSubstr("no drift is proven"));
+  EXPECT_EQ(check(fmt::format("--results-dir '{}' --date 2027-01-21 -q", path("live").string())).exit_code,
+            0);
+  EXPECT_EQ(textOf(path("live/checks.jsonl")), kept);
 
   const ProgramRun wrong =
       check(fmt::format("--job '{}' --pictures '{}' --results-dir '{}'", (sheet / "marks.yaml").string(),
