@@ -372,7 +372,8 @@ TEST(TraceOfAFault, TheReportSaysHowToSeeEachFailingMoment) {
   ASSERT_EQ(run.exit_code, 1) << run.output;
   const std::string page = textOf(scratch.path() / "run/report.html");
   std::size_t shown = 0;
-  for (const Message& message : messagesIn(scratch.path() / "run" / trace::kTraceFile)["/checks"]) {
+  const Messages messages = messagesIn(scratch.path() / "run" / trace::kTraceFile);
+  for (const Message& message : messages.at("/checks")) {
     if (message.content.at("outcome") != "FAIL" || message.content.at("time_s").is_null()) continue;
     EXPECT_NEAR(1e-9 * static_cast<double>(message.time_ns), message.content.at("time_s").get<double>(),
                 1e-9);
