@@ -5,7 +5,8 @@
 
 namespace kerfbench::trace {
 
-// JSON Schemas, draft 2020-12, of the messages, one for each kind; docs/reference/trace.md explains the fields.
+// JSON Schemas, draft 2020-12, of the messages, one for each kind; docs/reference/trace.md explains the
+// fields.
 
 std::string machineSchema();
 std::string motionSchema();
