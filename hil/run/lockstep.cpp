@@ -321,7 +321,7 @@ class Lockstep {
   bool halted_{false};
   bool pulsed_at_limit_{false};
   source::Batch batch_;
-  std::vector<SensorEdge> edges_;   ///< Of the quantum, as the source was told.
+  std::vector<SensorEdge> edges_;   ///< Sensor edges of the quantum, as the source was told.
   std::vector<std::uint8_t> said_;  ///< The dialog's answer in it.
   Gaps gaps_;
   RecordedRun result_;
