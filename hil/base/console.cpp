@@ -16,7 +16,7 @@ namespace kerfbench::base {
 
 namespace {
 
-/// Those who watch a run need no more than a few words a second.
+/// Programs that watch a run need no more than a few words a second.
 constexpr std::chrono::milliseconds kBetweenTold{100};
 constexpr std::chrono::seconds kBetweenLogged{10};
 

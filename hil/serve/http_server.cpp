@@ -5,6 +5,7 @@
 #include <httplib.h>
 
 #include <chrono>
+#include <ctime>
 #include <exception>
 #include <mutex>
 #include <new>
@@ -17,6 +18,9 @@ namespace kerfbench::serve {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::time_t kKeptByClient_s = 50;  // DoorLimits::idle is a minute.
+constexpr std::size_t kKeptRequests = 10'000;
 
 /// The connection as the library sees it: the head written anew, then as many bytes as the body has.
 class GuardedStream final : public httplib::Stream {
@@ -148,6 +152,10 @@ void write(Answer answer, httplib::Response& response) {
 class HttpServer::Library final : public httplib::Server {
  public:
   explicit Library(Answering answering) : answering_(std::move(answering)) {
+    // What the library says of connections, which are the door's: a browser is to close one before the door
+    // does.
+    set_keep_alive_timeout(kKeptByClient_s);
+    set_keep_alive_max_count(kKeptRequests);
     svr_sock_ = 0;  // The library sends no body while it believes that it does not listen.
     Get(".*", [this](const httplib::Request&, httplib::Response& response) {
       const auto no_body = [](const auto&) { return true; };

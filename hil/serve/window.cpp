@@ -117,8 +117,8 @@ const std::vector<Window::Route>& Window::routes() {
       {"GET", "/api/reference", &Window::reference},  {"POST", "/api/check", &Window::check},
       {"POST", "/api/edit", &Window::edit},           {"GET", "/api/service", &Window::service},
       {"POST", "/api/plan", &Window::plan},           {"POST", "/api/order", &Window::order},
-      {"POST", "/api/new", &Window::create},
-      {"GET", "/api/station", &Window::station},      {"GET", "/api/benches", &Window::benches},
+      {"POST", "/api/new", &Window::create},          {"GET", "/api/station", &Window::station},
+      {"GET", "/api/benches", &Window::benches},
   };
   return kRoutes;
 }

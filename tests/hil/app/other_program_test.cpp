@@ -19,7 +19,7 @@ TEST(InstrumentProgram, ThatIsNotBuiltIsToldWithTheCommandThatBuildsIt) {
     becomeProgram(folder.path() / "kerfbench-instrument", "gauge", no_words.data());
   } catch (const ProgramMissing& e) {
     EXPECT_STREQ(e.what(),
-                 "kerfbench gauge is in kerfbench-instrument, which is not built: ./bench setup builds it");
+                 "kerfbench gauge is in kerfbench-instrument, which is not built: ./bench gauge builds it");
   }
 }
 
@@ -27,7 +27,8 @@ TEST(InstrumentProgram, ThatCannotBeStartedIsNotTakenForMissing) {
   const base::TempFolder folder;
   std::ignore = folder.write("kerfbench-instrument", "no program");
   std::array<char*, 1> no_words{};
-  EXPECT_THROW(becomeProgram(folder.path() / "kerfbench-instrument", "gauge", no_words.data()), std::system_error);
+  EXPECT_THROW(becomeProgram(folder.path() / "kerfbench-instrument", "gauge", no_words.data()),
+               std::system_error);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST_F(AccessTest, ATokenLetsOneBrowserInOnce) {
   Client second = served_.stranger();
   EXPECT_EQ(second.logIn(token).status, 403);
   EXPECT_EQ(second.get(kSessionPath).status, 401);
-  // Its successor lets another one in.
+  // The next token lets another one in.
   EXPECT_NE(served_.token(), token);
   EXPECT_EQ(second.logIn(served_.token()).status, 303);
   EXPECT_EQ(second.get(kSessionPath).status, 200);

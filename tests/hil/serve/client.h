@@ -30,7 +30,7 @@ inline constexpr const char* kSessionPath = "/api/session";
 struct Reply {
   int status{};
   std::map<std::string, std::string> headers;  ///< Names in lower case.
-  std::string body;                            ///< Of an answer in chunks: put together.
+  std::string body;                            ///< Chunks are put together.
 
   [[nodiscard]] std::string header(const std::string& name) const {
     const auto found = headers.find(name);

@@ -180,7 +180,7 @@ TEST_F(RunsTest, ClientsThatGoAwayAreNoticed) {
     for (int i = 0; i < kMostStreams; ++i) {
       followers.push_back(std::make_unique<RawClient>(client_.port()));
       ASSERT_TRUE(followers.back()->send(client_.text({"GET", "/api/runs/" + id + "/events", "", {}})));
-      // Those of the round before may take a moment to be noticed.
+      // Clients of the round before may take a moment to be noticed.
       while (replyIn(followers.back()->readUntil("begun")).status == 503) {
         followers.back() = std::make_unique<RawClient>(client_.port());
         ASSERT_TRUE(followers.back()->send(client_.text({"GET", "/api/runs/" + id + "/events", "", {}})));
