@@ -281,15 +281,21 @@ step('a run is stopped, and the page says so', async () => {
 
 step('names of a drawing are shown as they are and do nothing', async () => {
   const hostile = '<img src=x onerror="document.title=1">';
-  writeFileSync(
-    join(shots, 'hostile.svg'),
-    `<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="40mm" height="30mm" viewBox="0 0 40 30">
-    <g inkscape:groupmode="layer" inkscape:label="${hostile.replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/"/g, '&quot;')}"><rect x="5" y="5" width="30" height="20" fill="none" stroke="#ff0000" stroke-width="0.1"/></g></svg>`,
-  );
-  await page.drop('.stage', [join(shots, 'hostile.svg')]);
-  await page.until("() => document.querySelector('.what b')?.textContent === 'hostile.yaml'");
+  const line = (layer, ...ends) =>
+    `0\nLINE\n8\n${layer}\n` + ends.map((v, i) => `${[10, 20, 11, 21][i]}\n${v}\n`).join('');
+  const square = [
+    [0, 0, 40, 0],
+    [40, 0, 40, 30],
+    [40, 30, 0, 30],
+    [0, 30, 0, 0],
+  ];
+  const entities = [...square.map((ends) => line('CUT', ...ends)), line(hostile, 5, 5, 9, 9)];
+  writeFileSync(join(shots, 'hostile.dxf'), `0\nSECTION\n2\nENTITIES\n${entities.join('')}0\nENDSEC\n0\nEOF\n`);
+  await page.drop('.stage', [join(shots, 'hostile.dxf')]);
+  await page.untilText('.layer .name', 'CUT');
   await page.until(
-    "() => document.querySelectorAll('.layer').length > 0 || document.querySelector('.empty')?.checkVisibility()",
+    '(name) => [...document.querySelectorAll(".layer .name")].some((e) => e.textContent === name)',
+    hostile,
   );
   assert.equal(await page.run("() => document.querySelectorAll('.job-page img').length"), 0);
   assert.notEqual(await page.run('() => document.title'), '1');

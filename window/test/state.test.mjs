@@ -2,7 +2,8 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { commandOf, quoted } from '../src/job/command.js';
-import { entitiesChosen, entityOfLine, lineChosen, linesOfEntities, periodOfLine } from '../src/job/links.js';
+import { entitiesChosen, entityOfLine, lineChosen, linesOfEntities } from '../src/job/links.js';
+import { periodOfLine } from '../src/job/motion.js';
 import { idWords, moved, nudged } from '../src/job/order.js';
 import { nameInScenario, pathOfName } from '../src/job/paths.js';
 import { headOf, itemsOf } from '../src/job/stage/findings.js';
@@ -263,4 +264,20 @@ test('every error is told somewhere: beside its field, or where the scenario is 
     S.unplaced(S.answered({ ...open(), reference }, 'check', { issues, drawing })).map((i) => i.message);
   assert.deepEqual(told({ entities: [] }), ['planer', '', 'kind']);
   assert.deepEqual(told(null), ['planer', '']);
+});
+
+test('a line that is looked at is looked at in the next plan, too', () => {
+  const s = lineChosen(S.answered(open(), 'plan', plan), 5);
+  const later = {
+    ...plan,
+    preview: {
+      ...plan.preview,
+      line: [
+        [2, 5],
+        [3, 5],
+        [5, 4],
+      ],
+    },
+  };
+  assert.equal(S.answered(s, 'plan', later).period, 9);
 });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drawing, G-code and preview show the same thing: what is chosen in one of them is chosen in all.
 // @ts-check
+import { periodOfLine } from './motion.js';
 import { selected } from './state.js';
 
 /** @typedef {{ entity: number, line_first: number, line_last: number }} EntityLines */
@@ -16,17 +17,6 @@ export function linesOfEntities(entityLines, ids) {
   return (entityLines ?? [])
     .filter((e) => wanted.has(e.entity))
     .flatMap((e) => Array.from({ length: e.line_last - e.line_first + 1 }, (_, i) => e.line_first + i));
-}
-
-/** Period at which a line begins, by the run lengths of the preview. @param {any} preview @param {number} line @returns {number | null} */
-export function periodOfLine(preview, line) {
-  let at = 0;
-  for (const [value, count] of preview?.line ?? []) {
-    // The place at which the motion starts is one before the first period of the line.
-    if (value === line) return Math.max(at - 1, 0);
-    at += count;
-  }
-  return null;
 }
 
 /**

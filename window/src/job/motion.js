@@ -5,6 +5,17 @@
 
 /** @typedef {{ line: number, entity: number | null, first: number, last: number }} Stretch periods (first, last] of one line */
 
+/** Period at which a line begins, by the run lengths of the preview. @param {any} preview @param {number} line @returns {number | null} */
+export function periodOfLine(preview, line) {
+  let at = 0;
+  for (const [value, count] of preview?.line ?? []) {
+    // The place at which the motion starts is one before the first period of the line.
+    if (value === line) return Math.max(at - 1, 0);
+    at += count;
+  }
+  return null;
+}
+
 /** @param {[number, number][]} runs run-length coded @param {number} n */
 function spread(runs, n) {
   const of = new Int32Array(n).fill(-1);

@@ -2,6 +2,7 @@
 // The state of the job page, and how it changes. All functions here are pure: state in, state out. What speaks with the server is
 // in actions.js, what shows the state in the views.
 // @ts-check
+import { periodOfLine } from './motion.js';
 
 /** @typedef {import('../shared/api.js').Issue} Issue */
 /** @typedef {{ id: number, layer: string, process: string, length_mm: number, line: number, points_mm: [number, number][],
@@ -144,7 +145,9 @@ export function answered(state, which, value) {
     next.finding = null;
   } else {
     const most = Math.max(0, (value.preview?.x_mm.length ?? 1) - 1);
-    next.period = Math.min(state.period, most);
+    // A line that is looked at may begin at another time now.
+    const begin = state.line === null || state.playing ? null : periodOfLine(value.preview, state.line);
+    next.period = begin ?? Math.min(state.period, most);
     if (value.order?.length) next.orderDraft = null;
   }
   return next;

@@ -242,7 +242,6 @@ function factsOf(s) {
   const facts = [
     ['Entity', `E${e.id}`],
     ['Layer', e.layer],
-    ['Process', e.process],
     ['Length', `${e.length_mm.toFixed(3)} mm`],
   ];
   if (place >= 0) facts.push(['Place', String(place + 1)]);
