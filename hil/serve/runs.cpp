@@ -255,6 +255,7 @@ class Runs::Run {
     {
       const std::lock_guard lock(mutex_);
       is_state = noteLocked(name, event);
+      openTraceLocked();
     }
     const bool is_standing = std::ranges::find(kStanding, name) != kStanding.end();
     stream_->add(name, dumped(event), is_standing);
@@ -289,8 +290,13 @@ class Runs::Run {
   void noteTrace(Json& event) {
     const std::string file = event.value("file", "");
     event["file"] = files_.nameOf(file);
-    base::UniqueFd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-    if (fd.valid() && !trace_file_.valid()) trace_file_ = std::move(fd);
+    trace_place_ = file;
+  }
+
+  /// A run names its trace before it has written any of it.
+  void openTraceLocked() {
+    if (!trace_file_.valid() && !trace_place_.empty())
+      trace_file_ = base::UniqueFd(::open(trace_place_.c_str(), O_RDONLY | O_CLOEXEC));
   }
 
   void addTimeLeft(Json& event) {
@@ -311,6 +317,7 @@ class Runs::Run {
   Json facts_ = Json::object();
   Json progress_ = {{"what", ""}};
   Json live_ = {{"problems", Json::array()}};
+  std::string trace_place_;
   base::UniqueFd trace_file_;
   std::optional<base::Stopwatch> since_first_;
 };
