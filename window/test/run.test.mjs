@@ -13,6 +13,11 @@ test('progress says what goes on, how far, and how long yet', () => {
   assert.equal(R.progressWords(R.runProgressed(begun(), { what: 'Planning' })), 'Planning');
 });
 
+test('a run that tells a percentage itself is not told another', () => {
+  const run = R.runProgressed(begun(), { share: 0.3, what: 'running, 23 % of the program sent', left_s: 0.2 });
+  assert.equal(R.progressWords(run), 'Running, 23 % of the program sent');
+});
+
 test('what is spoken changes by quarters alone', () => {
   const at = (share) => R.spokenProgress(R.runProgressed(begun(), { share, what: 'Cutting' }));
   assert.equal(at(0.26), at(0.49));

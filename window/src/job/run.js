@@ -70,9 +70,11 @@ export function duration(s) {
 export function progressWords(run) {
   if (run.stopping) return 'Stopping: the laser goes off, the belt runs out, then the run ends.';
   if (run.state === 'waiting') return 'Waiting for the run before it to end.';
-  const parts = [run.what || 'Running'];
-  if (run.share !== null) parts.push(`${Math.floor(run.share * 100)} %`);
-  if (run.left_s !== null) parts.push(`about ${duration(run.left_s)} left`);
+  const what = run.what || 'Running';
+  const parts = [what[0].toUpperCase() + what.slice(1)];
+  // One percentage is enough: the bar shows the share as well.
+  if (run.share !== null && !what.includes('%')) parts.push(`${Math.floor(run.share * 100)} %`);
+  if (run.left_s !== null && run.left_s >= 0.5) parts.push(`about ${duration(run.left_s)} left`);
   return parts.join(' · ');
 }
 

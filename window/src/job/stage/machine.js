@@ -22,13 +22,31 @@ export function mountMachine(stage, store) {
   let view = null;
   watch(
     store,
-    (s) => [s.stage.show, s.run?.id],
+    (s) => [s.stage.show, s.run?.id, s.run?.state],
     async ({ stage: { show }, run }) => {
       box.hidden = show !== 'machine';
-      fill(words, run ? '' : 'Start a run to see the machine cut.');
-      words.hidden = run !== null;
-      if (box.hidden || id === (run?.id ?? '')) return;
-      id = run?.id ?? '';
+      // What was shown while it ran stays; a run that has ended is in its trace.
+      const wanted = run && (S.isGoing(run) || run.id === id) ? run.id : '';
+      words.hidden = wanted !== '';
+      fill(
+        words,
+        !run
+          ? 'Start a run to see the machine cut.'
+          : S.isGoing(run)
+            ? ''
+            : run.trace
+              ? 'The run has ended. '
+              : 'There is no trace of this run.',
+        run?.trace && !S.isGoing(run)
+          ? h(
+              'a',
+              { href: `/view?trace=${encodeURIComponent(run.trace)}` },
+              'Its trace shows the machine at any moment.',
+            )
+          : '',
+      );
+      if (box.hidden || id === wanted) return;
+      id = wanted;
       view?.close();
       view = null;
       fill(holder);
