@@ -72,7 +72,6 @@ const views = (t_s) => page.until(`(t) => {
     t_s: v.timeline.get().t_s, levels,
     mirrors: ['x mirror', 'y mirror'].map((name) => v.machine.view.planeOf(name)),
     frame: document.querySelector('[aria-label="Frame and measured spot"]').textContent,
-    line: Number(document.querySelector('.tv-code[aria-current] .tv-line-number')?.textContent ?? 0),
     time: document.querySelector('.tv-time').value,
   };
 }`, t_s);
@@ -135,7 +134,9 @@ for (const t_s of [3.5, 4.9125, 7.2]) {
     const word = lastUpTo(topic('/uart'), t_s, ({ json: { timestamp } }) => timestamp.sec + 1e-9 * timestamp.nsec);
     assert.ok(spoken.includes(word.json.message) && spoken.replaceAll(' ', '').endsWith(word.json.hex), `${spoken}, not ${word.json.hex}`);
     const lines = topic('/gcode').flatMap(({ json }) => json.t_s.map((t, i) => ({ t, line: json.line[i] })));
-    assert.equal(seen.line, lastUpTo(lines, t_s, ({ t }) => t).line);
+    const { line } = lastUpTo(lines, t_s, ({ t }) => t);
+    await page.click('[role=tab]', 'Program');
+    await page.until("(line) => Number(document.querySelector('.tv-code[aria-current] .tv-line-number')?.textContent ?? 0) === line", line);
     await shot(`at-${t_s}`);
   });
 }

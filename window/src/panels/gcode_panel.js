@@ -12,7 +12,7 @@ export function gcodePanel({ body, tools, trace, timeline }) {
   tools.append(where);
   let current = 0;
   const list = rowsList(body, 'Lines of the program', {
-    make: (/** @type {{text: string, line: number}} */ { text, line }) => h('button', { type: 'button', class: 'tv-row code', on: { click: () => void jump(line) } },
+    make: (/** @type {{text: string, line: number}} */ { text, line }) => h('button', { type: 'button', class: 'tv-row tv-code', on: { click: () => void jump(line) } },
       h('span', { class: 'tv-line-number' }, line), h('code', {}, text)),
     update: (element, { line }) => mark(element, 'aria-current', line === current ? 'true' : null),
   });

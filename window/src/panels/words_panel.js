@@ -19,7 +19,7 @@ export function wordsPanel({ body, tools, trace, timeline }) {
   /** @type {Word | undefined} */
   let current;
   const list = rowsList(body, 'Words of controller and bench', {
-    make: () => h('button', { type: 'button', class: 'tv-row word' }, h('span', { class: 'number mute' }), h('span', { class: 'tv-who' }), h('span', { class: 'tv-said' }), h('code', { class: 'mute' })),
+    make: () => h('button', { type: 'button', class: 'tv-row tv-word' }, h('span', { class: 'number mute' }), h('span', { class: 'tv-who' }), h('span', { class: 'tv-said' }), h('code', { class: 'mute' })),
     update: (element, /** @type {Word} */ word) => {
       const [time, who, said, bytes] = /** @type {HTMLElement[]} */ ([...element.children]);
       say(time, moment(timeOfFrame(word)));

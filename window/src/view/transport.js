@@ -16,7 +16,7 @@ const kKinds = [['period', 'period'], ['pulse', 'pulse'], ['frame', 'frame'], ['
 export function transport(trace, timeline) {
   /** @type {StepKind} */
   let kind = 'period';
-  const note = h('span', { class: 'mute transport-note', role: 'status' });
+  const note = h('span', { class: 'mute tv-transport-note', role: 'status' });
   const play = button('Play', 'Play or pause (space)', () => timeline.play(), 'primary');
   const period_s = trace.machine.period_s ?? trace.machine.quantum_s;
   const choice = h('select', { 'aria-label': 'Step by', on: { change: () => { kind = choice.value; } } },
