@@ -7,10 +7,11 @@ const ns = (seconds) => BigInt(Math.round(seconds * 1e9));
 
 /**
  * @param {{topic: string, time_s: number, json: unknown}[][]} chunks messages of each chunk
- * @param {{end?: boolean}} [options] end: false leaves out everything behind the last chunk, as a run that was killed does
+ * @param {{end?: boolean, channelsFirst?: boolean}} [options] end: false leaves out everything behind the last chunk, as a run that was
+ *   killed does; channelsFirst: channels are declared before the first chunk, not within
  * @returns {Uint8Array}
  */
-export function madeTrace(chunks, { end = true } = {}) {
+export function madeTrace(chunks, { end = true, channelsFirst = false } = {}) {
   const file = new McapRecordBuilder();
   const parts = [];
   let at = 0n;
@@ -25,15 +26,20 @@ export function madeTrace(chunks, { end = true } = {}) {
   file.writeMagic();
   file.writeHeader({ profile: 'kerfbench', library: 'test' });
   take();
+  const declare = (topic) => {
+    const channel = { id: ids.size + 1, schemaId: 0, topic, messageEncoding: 'json', metadata: new Map() };
+    ids.set(topic, channel.id);
+    channels.push(channel);
+    return channel;
+  };
+  if (channelsFirst) {
+    for (const topic of new Set(chunks.flat().map((message) => message.topic))) file.writeChannel(declare(topic));
+    take();
+  }
   const indexes = chunks.map((messages) => {
     const chunk = new McapChunkBuilder({ useMessageIndex: true });
     for (const { topic, time_s, json } of messages) {
-      if (!ids.has(topic)) {
-        const channel = { id: ids.size + 1, schemaId: 0, topic, messageEncoding: 'json', metadata: new Map() };
-        ids.set(topic, channel.id);
-        channels.push(channel);
-        chunk.addChannel(channel);
-      }
+      if (!ids.has(topic)) chunk.addChannel(declare(topic));
       const data = new TextEncoder().encode(JSON.stringify(json));
       chunk.addMessage({ channelId: ids.get(topic), sequence: 0, logTime: ns(time_s), publishTime: ns(time_s), data });
     }

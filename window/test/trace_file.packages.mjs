@@ -91,27 +91,29 @@ test('steps find the next of each kind across chunks', async () => {
   assert.equal(await to('period', 0.0149, 1), 0.02);
 });
 
-test('a trace that was cut off anywhere opens up to its last whole chunk', async () => {
-  const whole = await TraceFile.open(new BytesReadable(bytes));
-  const unfinished = madeTrace(chunks, { end: false });
-  const next = numbers(42);
-  const lengths = Array.from({ length: 60 }, () => Math.floor(unfinished.length * next()));
-  for (const length of [...lengths, ...whole.chunks.slice(1).map(({ offset, length: own }) => offset + own), unfinished.length]) {
-    const cut = unfinished.subarray(0, length);
-    const complete = whole.chunks.filter((chunk) => chunk.offset + chunk.length <= length);
-    if (!complete.length) {
-      await assert.rejects(TraceFile.open(new BytesReadable(cut)), /cut off|too short|no trace/);
-      continue;
+for (const channelsFirst of [false, true]) {
+  test(`a trace that was cut off anywhere opens up to its last whole chunk, channels ${channelsFirst ? 'before' : 'within'} the chunks`, async () => {
+    const whole = await TraceFile.open(new BytesReadable(madeTrace(chunks, { channelsFirst })));
+    const unfinished = madeTrace(chunks, { end: false, channelsFirst });
+    const next = numbers(42);
+    const lengths = Array.from({ length: 60 }, () => Math.floor(unfinished.length * next()));
+    for (const length of [...lengths, ...whole.chunks.slice(1).map(({ offset, length: own }) => offset + own), unfinished.length]) {
+      const cut = unfinished.subarray(0, length);
+      const complete = whole.chunks.filter((chunk) => chunk.offset + chunk.length <= length);
+      if (!complete.length) {
+        await assert.rejects(TraceFile.open(new BytesReadable(cut)), /cut off|too short|no trace/);
+        continue;
+      }
+      const file = await TraceFile.open(new BytesReadable(cut));
+      assert.equal(file.complete, false);
+      assert.equal(file.chunks.length, complete.length, `${length} bytes`);
+      for (const topic of ['/motion', '/pins', '/machine']) {
+        const count = (messages) => messages.filter((message) => message.topic === topic).length;
+        assert.equal((await file.messagesOf(topic)).length, count(chunks.slice(0, complete.length).flat()), `${topic} of ${length} bytes`);
+      }
     }
-    const file = await TraceFile.open(new BytesReadable(cut));
-    assert.equal(file.complete, false);
-    assert.equal(file.chunks.length, complete.length, `${length} bytes`);
-    for (const topic of ['/motion', '/pins', '/machine']) {
-      const count = (messages) => messages.filter((message) => message.topic === topic).length;
-      assert.equal((await file.messagesOf(topic)).length, count(chunks.slice(0, complete.length).flat()), `${topic} of ${length} bytes`);
-    }
-  }
-});
+  });
+}
 
 test('what is no trace is refused with a sentence', async () => {
   await assert.rejects(open(new Uint8Array(3)), /too short/);

@@ -6,7 +6,7 @@
 import { McapIndexedReader } from '@mcap/core';
 import { BlockCache } from './readable.js';
 import {
-  chunkHeadOf, decompressHandlers, eachRecord, headOf, kMagic_bytes, kOpcode, kRecordHead_bytes, secondsOf,
+  channelOf, chunkHeadOf, decompressHandlers, eachRecord, headOf, kMagic_bytes, kOpcode, kRecordHead_bytes, secondsOf,
   unpackedChunk,
 } from './records.js';
 import { countBefore, countUpTo } from './search.js';
@@ -158,6 +158,8 @@ async function walked(readable) {
   const size = Number(await readable.size());
   /** @type {ChunkPlace[]} */
   const chunks = [];
+  /** @type {Map<number, string>} */
+  const topics = new Map();
   let at = kMagic_bytes;
   while (at + kRecordHead_bytes <= size) {
     const bytes = await readable.read(BigInt(at), BigInt(Math.min(kChunkHead_bytes + kRecordHead_bytes, size - at)));
@@ -170,21 +172,23 @@ async function walked(readable) {
       chunks.push({ start_s, end_s, offset: at, length, channels: [] });
     } else if (head.opcode === kOpcode.messageIndex && chunks.length) {
       chunks[chunks.length - 1].channels.push(content[0] + 256 * content[1]);
+    } else if (head.opcode === kOpcode.channel) {
+      const { id, topic } = channelOf(await readable.read(BigInt(at + kRecordHead_bytes), BigInt(head.length)));
+      topics.set(id, topic);
     }
     at += length;
   }
   if (!chunks.length) throw new Error('the trace was cut off before its first chunk was complete');
-  return new TraceFile(readable, chunks, await topicsOf(readable, chunks), false);
+  await addTopics(readable, chunks, topics);
+  return new TraceFile(readable, chunks, topics, false);
 }
 
 /**
- * Topics by channel, as the chunks themselves declare them. A chunk whose message indexes were cut off is listed by its
- * own messages.
- * @param {Readable} readable @param {ChunkPlace[]} chunks
+ * Adds the channels that only the chunks themselves declare. A chunk whose message indexes were cut off is listed by its own
+ * messages.
+ * @param {Readable} readable @param {ChunkPlace[]} chunks @param {Map<number, string>} topics by channel
  */
-async function topicsOf(readable, chunks) {
-  /** @type {Map<number, string>} */
-  const topics = new Map();
+async function addTopics(readable, chunks, topics) {
   for (const chunk of chunks) {
     if (chunk.channels.length && chunk.channels.every((channel) => topics.has(channel))) continue;
     const record = await readable.read(BigInt(chunk.offset), BigInt(chunk.length));
@@ -195,6 +199,4 @@ async function topicsOf(readable, chunks) {
     });
     chunk.channels = [...channels];
   }
-  return topics;
 }
-
