@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "firmware_under_test/planner/order/hand_order.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
@@ -99,6 +100,14 @@ void warnOfCameras(const fs::path& path, scenario::Case& test_case, const machin
     say(fmt::format("{}: warning: {}", path.string(), problem));
 }
 
+// An order by hand that is none of this drawing is refused; one that is doubtful is told.
+void lintOrder(const fs::path& path, const scenario::Scenario& of, bool quiet) {
+  if (of.job.order != planner::JobParameters::Order::kGiven || !of.job_gcode.empty()) return;
+  const scenario::Case whole = scenario::caseOf(of);
+  for (const std::string& doubt : planner::orderDoubts(*whole.dieline, of.job.given_order))
+    if (!quiet) say(fmt::format("{}: warning: planner.order: {}", path.string(), doubt));
+}
+
 // Returns the exit code.
 int lintFile(const fs::path& path, const fs::path& image, const DrawingChoice& drawings,
              const judge::RunOptions& options) {
@@ -139,8 +148,10 @@ int lintFile(const fs::path& path, const fs::path& image, const DrawingChoice& d
     run::refuseUnfitController(test_case, options.bin_dir);
     machine_file::refuseUnfit(file, scenario::webOf(test_case));
     const scenario::Scenario& of = test_case.scenario;
-    return lintDrawing(of.dieline, {of.drawing, of.accepted, of.witness_required},
-                       drawings.witness || of.witness_required, options);
+    const int code = lintDrawing(of.dieline, {of.drawing, of.accepted, of.witness_required},
+                                 drawings.witness || of.witness_required, options);
+    if (code == 0) lintOrder(path, of, options.quiet);
+    return code;
   }
   const machine_file::MachineFile file = machine_file::readMachineFile(path);
   test_case.scenario.machine = path;

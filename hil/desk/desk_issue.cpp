@@ -6,8 +6,6 @@
 #include <system_error>
 #include <utility>
 
-#include <yaml-cpp/exceptions.h>
-
 #include "hil/base/input_error.h"
 #include "hil/desk/scenario_edit.h"
 #include "hil/desk/yaml_layout.h"
@@ -124,7 +122,6 @@ TextPlace placeOfKey(const std::string& text, std::string_view key) {
         1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')),
         1 + static_cast<int>(at - begin)};
   } catch (const base::InputError&) {
-  } catch (const YAML::Exception&) {
   }
   return {};
 }

@@ -291,7 +291,7 @@ std::string firstScenario(const NewScenario& wish, const DeskRequest& request) {
     std::string text = writer.text(share);
     if (isAsFastAsItMay(text, wish.out, request)) return text;
   }
-  return fastest;  // It is not the speed that lacks: a check tells what.
+  return fastest;  // Slower does not help: a check tells what is wrong.
 }
 
 }  // namespace kerfbench::desk

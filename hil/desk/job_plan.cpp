@@ -31,7 +31,7 @@ using nlohmann::json;
 using planner::UnitMotion;
 using planner::UnitPeriod;
 
-/// To the 1e-9 mm that a place is told to.
+/// Rounds to the 1e-9 mm that a place is told to.
 double told_mm(double value_mm) { return std::round(value_mm * 1e9) / 1e9 + 0.0; }
 
 /// The line that a sentence of the planner names, "G-code line 12"; 0: none.

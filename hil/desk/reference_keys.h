@@ -18,7 +18,7 @@ std::string_view nameOf(KeyKind kind);
 /// What the cell `range` of a key says.
 struct KeyRange {
   KeyKind kind{};
-  std::optional<double> least, most;        ///< Of a number, or of each of several.
+  std::optional<double> least, most;        ///< Bounds of a number, or of each of several.
   std::vector<std::string> choices;         ///< Words that may stand there.
   bool or_file{}, or_list{}, or_section{};  ///< What else may stand there.
 };

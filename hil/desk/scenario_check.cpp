@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include "firmware_under_test/planner/head/correction.h"
 #include "firmware_under_test/planner/job/job.h"
@@ -18,6 +17,7 @@
 #include "hil/desk/drawing_json.h"
 #include "hil/desk/json_text.h"
 #include "hil/desk/scenario_values.h"
+#include "hil/desk/yaml_layout.h"
 #include "hil/machine_file/machine_check.h"
 #include "hil/machine_file/machine_file.h"
 #include "hil/run/controller_fit.h"
@@ -39,7 +39,7 @@ class TextCheck {
   TextCheck(const ScenarioText& scenario, const DeskRequest& request)
       : scenario_(scenario), request_(request) {
     if (!isReadable()) return;
-    tryTo([&] { readValues(); });
+    readValues();
     tryTo([&] { readText(); });
     if (!draft_) return;
     readMachine();
@@ -90,21 +90,21 @@ class TextCheck {
   /// Whether the text is YAML at all; if not, where it is not.
   bool isReadable() {
     try {
-      (void)YAML::Load(scenario_.text);
-      return true;
-    } catch (const YAML::Exception& error) {
-      issues_.push_back({.line = error.mark.line + 1, .column = error.mark.column + 1, .message = error.msg});
+      (void)layoutOf(scenario_.text);
+    } catch (const YamlFault& fault) {
+      issues_.push_back({.line = fault.line, .column = fault.column, .message = fault.message});
       return false;
+    } catch (const base::InputError&) {
+      // Not to be edited key by key, but a text that can be read.
     }
+    return true;
   }
 
   void readValues() {
     try {
       values_ = valuesOf(scenario_);
-    } catch (const YAML::Exception& error) {
-      throw base::ConfigError(fmt::format("extends: {}", error.what()));
     } catch (const base::InputError& error) {
-      // Such a text is a scenario all the same.
+      // Such a text is a scenario all the same, and of a file that it extends the reader tells.
       issues_.push_back({.is_error = false, .message = error.what()});
     }
   }

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <yaml-cpp/exceptions.h>
 
 #include "hil/base/input_error.h"
 #include "hil/base/text.h"
@@ -59,7 +58,7 @@ class TextEdit {
   struct Step {
     const YamlPart* holder{};
     const YamlPart::Entry* entry{};
-    std::size_t index{};  ///< Of the entry among the holder's.
+    std::size_t index{};  ///< Place of the entry among the holder's.
   };
 
   static std::string lineEndOf(const std::string& text) {
@@ -311,7 +310,6 @@ std::string editedOnce(const std::string& text, const KeyEdit& edit) {
   bool is_good = false;
   try {
     is_good = treeOf(made) == wanted;
-  } catch (const YAML::Exception&) {
   } catch (const base::InputError&) {
   }
   if (!is_good)
@@ -366,28 +364,20 @@ std::string edited(const std::string& text, const std::vector<KeyEdit>& edits) {
   std::string result = has_mark ? text.substr(kByteOrderMark.size()) : text;
   for (const KeyEdit& edit : edits) {
     if (edit.path.empty()) throw base::InputError("an edit without a path");
-    try {
-      result = editedOnce(result, edit);
-    } catch (const YAML::Exception& error) {
-      throw base::InputError(fmt::format("line {}: {}", error.mark.line + 1, error.msg));
-    }
+    result = editedOnce(result, edit);
   }
   return has_mark ? std::string(kByteOrderMark) + result : result;
 }
 
 ordered_json valueIn(const std::string& text, std::string_view path) {
-  try {
-    const YamlPart root = layoutOf(text);
-    const YamlPart* at = &root;
-    for (const std::string& name : keyPathFrom(path)) {
-      const YamlPart::Entry* const entry = at->find(name);
-      if (entry == nullptr) return nullptr;
-      at = &entry->value;
-    }
-    return valueOf(*at);
-  } catch (const YAML::Exception& error) {
-    throw base::InputError(fmt::format("line {}: {}", error.mark.line + 1, error.msg));
+  const YamlPart root = layoutOf(text);
+  const YamlPart* at = &root;
+  for (const std::string& name : keyPathFrom(path)) {
+    const YamlPart::Entry* const entry = at->find(name);
+    if (entry == nullptr) return nullptr;
+    at = &entry->value;
   }
+  return valueOf(*at);
 }
 
 std::string editJson(const std::string& body) {

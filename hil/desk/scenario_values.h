@@ -15,9 +15,9 @@ namespace kerfbench::desk {
 /// sections whose keys are names of the user's own (layers, wires, lines, outputs, settings, controls).
 struct ScenarioValues {
   nlohmann::ordered_json all;    ///< As this text and the files that it extends say together.
-  std::vector<std::string> own;  ///< Those that this text says itself.
+  std::vector<std::string> own;  ///< Paths of those that this text says itself.
 };
-/// @throws base::InputError, YAML::Exception, base::ConfigError for texts that cannot be read so.
+/// @throws base::InputError for texts that cannot be read so.
 ScenarioValues valuesOf(const ScenarioText& scenario);
 
 }  // namespace kerfbench::desk

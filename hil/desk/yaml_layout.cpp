@@ -61,7 +61,7 @@ class LayoutBuilder final : public YAML::EventHandler {
  private:
   struct Open {
     YamlPart part;
-    bool awaits_value{};  ///< Of a mapping: its last entry has a key alone.
+    bool awaits_value{};  ///< Mapping: the last entry has a key alone.
   };
 
   static std::size_t placeOf(const YAML::Mark& mark) {
@@ -274,16 +274,6 @@ class EndFinder {
   std::string_view text_;
 };
 
-nlohmann::ordered_json plainValue(const std::string& text) {
-  const YAML::Node node(text);
-  double number = 0.0;
-  bool flag = false;
-  if (text.find_first_of("0123456789") != std::string::npos && YAML::convert<double>::decode(node, number))
-    return number;
-  if (YAML::convert<bool>::decode(node, flag)) return flag;
-  return text;
-}
-
 }  // namespace
 
 const YamlPart::Entry* YamlPart::find(std::string_view key) const {
@@ -296,17 +286,39 @@ const YamlPart::Entry* YamlPart::find(std::string_view key) const {
   return found;
 }
 
+YamlFault::YamlFault(int at_line, int at_column, const std::string& what_is_wrong)
+    : InputError(fmt::format("line {}: {}", at_line, what_is_wrong)),
+      line(at_line),
+      column(at_column),
+      message(what_is_wrong) {}
+
+nlohmann::ordered_json plainValue(const std::string& text) {
+  const YAML::Node node(text);
+  double number = 0.0;
+  bool flag = false;
+  if (text.find_first_of("0123456789") != std::string::npos && YAML::convert<double>::decode(node, number))
+    return number;
+  if (YAML::convert<bool>::decode(node, flag)) return flag;
+  return text;
+}
+
 YamlPart layoutOf(const std::string& text) {
   if (text.size() > kMostYamlBytes)
     throw base::InputError("larger than 1 MiB, this is no configuration file");
-  std::istringstream stream(text);
-  YAML::Parser parser(stream);
-  LayoutBuilder builder(text);
-  const bool has_document = parser.HandleNextDocument(builder);
-  YamlPart root = std::move(builder).finished();
-  LayoutBuilder next(text);
-  if (has_document && parser.HandleNextDocument(next))
-    throw base::InputError("several documents in one file: edit it as text");
+  bool has_document = false;
+  YamlPart root;
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    LayoutBuilder builder(text);
+    has_document = parser.HandleNextDocument(builder);
+    root = std::move(builder).finished();
+    LayoutBuilder next(text);
+    if (has_document && parser.HandleNextDocument(next))
+      throw base::InputError("several documents in one file: edit it as text");
+  } catch (const YAML::Exception& error) {
+    throw YamlFault(error.mark.line + 1, error.mark.column + 1, error.msg);
+  }
   if (!has_document || root.kind == Kind::kNull) {
     root = {.kind = Kind::kMap};
     root.begin = root.end = text.size();

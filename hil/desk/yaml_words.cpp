@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include "hil/desk/json_text.h"
+#include "hil/desk/yaml_layout.h"
 
 namespace kerfbench::desk {
 namespace {
@@ -22,11 +22,7 @@ bool isHarmless(char c) {
 }
 
 bool readsAsText(const std::string& text) {
-  const YAML::Node node(text);
-  double number = 0.0;
-  bool flag = false;
-  return !YAML::convert<double>::decode(node, number) && !YAML::convert<bool>::decode(node, flag) &&
-         text != "null" && text != "Null" && text != "NULL";
+  return plainValue(text).is_string() && text != "null" && text != "Null" && text != "NULL";
 }
 
 bool mayBePlain(std::string_view text) {

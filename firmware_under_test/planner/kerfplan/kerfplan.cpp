@@ -26,6 +26,7 @@
 #include "firmware_under_test/planner/kerfplan/kerfplan_strip.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_summary.h"
 #include "firmware_under_test/planner/kerfplan/output_text.h"
+#include "firmware_under_test/planner/order/hand_order.h"
 #include "firmware_under_test/planner/order/kerf.h"
 #include "firmware_under_test/planner/preview/preview.h"
 #include "firmware_under_test/planner/program/check.h"
@@ -174,6 +175,24 @@ void addMachine(CLI::App& app, Options& options) {
       ->group(group);
 }
 
+/// A way to find an order by its name, or entities as they are typed.
+void readOrder(const std::string& words, JobParameters& job) {
+  const std::map<std::string, JobParameters::Order> names{{"shortest", JobParameters::Order::kShortest},
+                                                          {"nearest", JobParameters::Order::kNearest},
+                                                          {"drawn", JobParameters::Order::kDrawn}};
+  if (const auto found = names.find(CLI::detail::to_lower(words)); found != names.end()) {
+    job.order = found->second;
+    return;
+  }
+  try {
+    job.given_order = planner::idsOf(planner::entityRangesFrom(words, "--order"), planner::kMostOrdered);
+    job.order = JobParameters::Order::kGiven;
+  } catch (const planner::PlanError& error) {
+    throw CLI::ValidationError("--order",
+                               fmt::format("shortest, nearest, drawn, or entities: {}", error.what()));
+  }
+}
+
 void addJob(CLI::App& app, JobParameters& j) {
   const std::string group = "Job";
   const auto option = [&](const char* name, auto& value, const char* help) {
@@ -211,12 +230,11 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--web-start", j.web_start_x_mm,
          "x of unit 0's origin while the belt rests, mm (belt speed 0, or --feed)");
   option("--feed-acceleration", j.feed_acceleration_mm_s2, "With --feed: acceleration of the belt, mm/s2");
-  const std::map<std::string, JobParameters::Order> orders{{"shortest", JobParameters::Order::kShortest},
-                                                           {"nearest", JobParameters::Order::kNearest},
-                                                           {"drawn", JobParameters::Order::kDrawn}};
-  app.add_option("--order", j.order,
-                 "Order of a drawing's lines: shortest (air path), nearest (end, greedily) or drawn")
-      ->transform(CLI::CheckedTransformer(orders, CLI::ignore_case))
+  app.add_option_function<std::string>(
+         "--order", [&j](const std::string& words) { readOrder(words, j); },
+         "Order of a drawing's lines: shortest (air path), nearest (end, greedily), drawn, or the entities "
+         "themselves: 3,0,5-8")
+      ->type_name("ORDER")
       ->default_str("shortest")
       ->group(group);
   planner::addKerfOptions(app, j);

@@ -15,10 +15,11 @@ namespace kerfbench::planner {
 /// A period of a unit as the program's operation has it, and what it was planned for.
 struct UnitPeriod {
   Eigen::Vector2i steps{
-      Eigen::Vector2i::Zero()};  ///< Of the head's axes at its end, as counted since power-on.
+      Eigen::Vector2i::Zero()};  ///< Places of the head's axes at its end, as counted since power-on.
   Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< Place of the beam at these steps.
-  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< That place on the unit, on a belt at nominal speed.
-  std::optional<std::uint8_t> power;                ///< PWM with the gate open; nothing: closed.
+  Eigen::Vector2d p_S_mm{
+      Eigen::Vector2d::Zero()};       ///< The same place on the unit, on a belt at nominal speed.
+  std::optional<std::uint8_t> power;  ///< PWM with the gate open; nothing: closed.
   Eigen::Vector2d planned_S_mm{Eigen::Vector2d::Zero()};  ///< Place before it became whole steps.
   int line{};  ///< Line of the G-code; of the catch-up and of waits that of the move that follows.
   int entity{-1};

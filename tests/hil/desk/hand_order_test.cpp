@@ -9,7 +9,9 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "hil/desk/job_plan.h"
@@ -85,6 +87,31 @@ TEST_F(HandOrder, CreasesAfterTheOutlineAroundThemAreDoubtful) {
   ASSERT_FALSE(answer["issues"].empty());
   EXPECT_EQ(answer["issues"][0]["severity"], "warning");
   EXPECT_THAT(answer["issues"][0]["message"].get<std::string>(), testing::HasSubstr("may have moved"));
+}
+
+/// Where entities are parts of a longer way: a perforation's dashes, the beam's path beside the lines.
+TEST(HandOrderOfParts, PerforationsAndCompensatedCutsComeInTheGivenOrder) {
+  std::mt19937 random(8);  // NOLINT: the same order in each run.
+  for (const auto& [name, more] :
+       {std::pair{"native/coupon-perforated.yaml",
+                  "machine: ../../machines/f-theta-300.yaml\nbelt: {speed_mm_s: 0, start_x_mm: 88}\n"},
+        std::pair{
+            "native/label-on-belt.yaml",
+            "print: {units: 1}\nbelt: {speed_mm_s: 0, start_x_mm: 30}\nplanner: {kerf_radius_mm: 0.1}\n"}}) {
+    const fs::path file = base::fixture(std::string("scenarios/") + name);
+    const std::string text = fmt::format("extends: '{}'\nname: parts\n{}", file.string(), more);
+    const fs::path mine = file.parent_path() / "parts.yaml";
+    std::vector<int> ids = json::parse(orderJson({text, mine}, {}, kRequest))["order"];
+    ASSERT_GT(ids.size(), 3U) << name;
+    std::shuffle(ids.begin(), ids.end(), random);
+    const json ordered = json::parse(orderJson({text, mine}, ids, kRequest));
+    EXPECT_EQ(ordered["order"].get<std::vector<int>>(), ids) << ordered["issues"];
+    const json plan = json::parse(planJson({ordered["text"], mine}, std::nullopt, kRequest));
+    EXPECT_TRUE(plan["fits"]) << plan["issues"];
+    const json planned = json::parse(planJson({text, mine}, std::nullopt, kRequest));
+    // The same is cut, whatever the order.
+    EXPECT_NEAR(plan["facts"]["cut_length_mm"], planned["facts"]["cut_length_mm"], 0.02) << name;
+  }
 }
 
 TEST(OrderWords, NeighboursBecomeRanges) {

@@ -77,7 +77,7 @@ void expectRangesAgree(const std::map<std::string, ReferenceKey>& keys,
     if (found == keys.end()) continue;  // A section; the keys' own tests say that no key is missing.
     const KeyKind kind = found->second.range.kind;
     const bool is_number = kind == KeyKind::kNumber || kind == KeyKind::kNumbers;
-    // Of a key that may be missing a reader asks first whether it is there, and nothing else where it is not.
+    // A reader asks first whether a key that may be missing is there, and nothing else where it is not.
     if (!reader.range || key == "version") continue;
     EXPECT_TRUE(is_number) << key << " is '" << nameOf(kind) << "'";
     if (!is_number) continue;

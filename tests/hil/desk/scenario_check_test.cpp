@@ -64,7 +64,7 @@ TEST(ScenarioCheck, FitsWhatARunTakesAndNothingElse) {
 class FaultyText : public testing::Test {
  protected:
   FaultyText() : text_(base::contentOf(base::fixture("scenarios/native/label-on-belt.yaml"))) {}
-  /// Of the shipped file, changed.
+  /// Check of the shipped file, changed.
   json changed(const std::string& from, const std::string& to) {
     text_ = base::replaced(text_, from, to);
     return check(text_, base::fixture("scenarios/native/label-on-belt.yaml"));
