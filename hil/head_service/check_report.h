@@ -28,7 +28,7 @@ struct CheckFacts {
 std::string checkHtml(const calibrate::QuickCheckResult& result, const MeasuredSheet& sheet,
                       const std::vector<HeadCheckRecord>& history, const CheckFacts& facts);
 
-/// Those of the same machine that were held against the same calibration as `record`.
+/// Checks of the same machine that were held against the same calibration as `record`.
 std::vector<HeadCheckRecord> comparable(const std::vector<HeadCheckRecord>& history,
                                         const HeadCheckRecord& record);
 

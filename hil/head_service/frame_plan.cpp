@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
 constexpr double kLaid_mm = 2.0;       // How far a sheet may lie from where it is supposed.
-constexpr double kOverlapSizes = 0.6;  // Of a mark: its arms are whole in one picture each.
+constexpr double kOverlapSizes = 0.6;  // Sizes of a mark: its arms are whole in one picture each.
 
 /// All that a picture must show: print, and field marks wherever the head may have put them.
 Eigen::AlignedBox2d sheetOf(const calibrate::MarkJob& job) {

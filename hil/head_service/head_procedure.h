@@ -59,7 +59,7 @@ struct HeadIteration {
   [[nodiscard]] bool within(double limit_mm) const {
     return check(limit_mm).verdict == inspect::Verdict::kPass;
   }
-  /// It is, and the marks that verify do not speak against what the fit states.
+  /// The same, and the marks that verify do not speak against what the fit states.
   [[nodiscard]] bool holds(double limit_mm) const { return within(limit_mm) && spread.holds(); }
 };
 
@@ -70,7 +70,7 @@ struct HeadCalibration {
   std::vector<HeadIteration> iterations;
   std::size_t best{};  ///< The iteration whose table is the best.
   HeadEnd end{};
-  /// Of the best table. PASS is told as GOOD, or NOT VERIFIED where nothing was verified.
+  /// Verdict of the best table. PASS is told as GOOD, or NOT VERIFIED where nothing was verified.
   inspect::Verdict verdict{inspect::Verdict::kInvalid};
   /// The table is within the limit, U included: as verified, or as the fit alone states.
   [[nodiscard]] bool good() const { return verdict == inspect::Verdict::kPass; }

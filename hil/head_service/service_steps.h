@@ -34,7 +34,7 @@ struct ServiceFacts {
   std::string machine;
   std::string camera;
   std::string date;
-  std::string command;  ///< To be run again after each sheet.
+  std::string command;  ///< Command to run again after each sheet.
   std::string version;
 };
 
@@ -49,7 +49,7 @@ class ServiceSteps {
   /// where some are there.
   void wanted(const SheetOrder& order, const std::vector<std::string>& cut,
               const std::vector<std::string>& photograph, const std::vector<std::string>& missing);
-  /// Its pictures cannot be used.
+  /// Pictures of the sheet cannot be used.
   void refused(const SheetOrder& order, const std::string& why);
   void measured(const SheetOrder& order, const MeasuredSheet& sheet);
   /// Steps behind the sheets, in place of those that stood there.

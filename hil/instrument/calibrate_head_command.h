@@ -29,7 +29,7 @@ struct HeadCalibrateOptions {
   bool by_hand{};  ///< People cut the sheets and photograph them.
   std::filesystem::path
       image;  ///< Release of the controller, for sheets cut by hand; empty: the native one for galvos.
-  std::filesystem::path scanner;   ///< By hand: calibration of the scanner, for sheets that are scanned.
+  std::filesystem::path scanner;   ///< Calibration of the scanner, for sheets by hand that are scanned.
   std::filesystem::path job;       ///< Job file of a sheet that was cut; empty: the twin cuts.
   std::filesystem::path pictures;  ///< Pictures of that sheet: a folder with tiles.yaml.
   std::filesystem::path table;     ///< Table with which the sheet was cut; empty: the machine file's, if any.

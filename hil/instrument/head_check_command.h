@@ -21,7 +21,7 @@ struct HeadCheckOptions {
   bool keep_pictures{};
   bool by_hand{};
   std::filesystem::path image;     ///< Release of the controller, for a sheet that is cut by hand.
-  std::filesystem::path scanner;   ///< By hand: calibration of the scanner, for a sheet that is scanned.
+  std::filesystem::path scanner;   ///< Calibration of the scanner, for a sheet by hand that is scanned.
   std::filesystem::path job;       ///< Job file of a sheet that was cut; empty: the twin cuts, or people.
   std::filesystem::path pictures;  ///< Pictures of that sheet.
   std::string date;  ///< Day of the check; empty: today, of the twin that of the kerf camera's calibration.

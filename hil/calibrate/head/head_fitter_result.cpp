@@ -53,7 +53,7 @@ void HeadFitter::setErrorRoots(HeadFit& fit) const {
   fit.covariance_root_ = root;
   // Departures are in tolerances: their prior is the unit matrix.
   fit.root_by_tolerances_ = root * root.topRows(kHeadColumns).transpose();
-  Eigen::MatrixXd by_prior(root.cols(), root.rows());  // Of both priors, in units in which `root` is 1.
+  Eigen::MatrixXd by_prior(root.cols(), root.rows());  // Both priors, in units in which `root` is 1.
   by_prior.leftCols(kHeadColumns) = root.topRows(kHeadColumns).transpose();
   if (m > 0) {
     const Eigen::VectorXd sigmas = sigmasOf(*prior_, *basis_);

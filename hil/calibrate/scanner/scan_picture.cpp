@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kSameSize = 0.25;     // Share by which a disc may be larger or smaller than drawn.
-constexpr double kFarthestSize = 6.0;  // Of discs by which another resolution is told.
+constexpr double kFarthestSize = 6.0;  // Size, over the one drawn, of discs that tell another resolution.
 constexpr double kBorder_mm = 4.0;
 constexpr double kLeastContrast = 40.0;
 constexpr double kBoardGray = 60.0, kInkGray = 15.0;
@@ -144,7 +144,7 @@ double grayAt(const GrayImage& scan, const Vector2d& pixel) {
 
 /// The straightened picture: its pixels on the glass.
 struct Canvas {
-  Vector2d corner_G_mm;  ///< Of the first pixel's centre, upper left.
+  Vector2d corner_G_mm;  ///< Place of the first pixel's centre, upper left.
   double pitch_mm;
   int width, height;
   [[nodiscard]] Vector2d onGlass(double column, double row) const {

@@ -27,7 +27,7 @@ using Eigen::VectorXd;
 constexpr double kKnot_mm = 8.0;         // A carriage's wobble is slower.
 constexpr double kBend_mm = 0.2;         // Second difference of neighbouring splines, 1 sigma.
 constexpr double kAnySpline_mm = 2.0;    // Splines themselves: what is common to them and A goes to A.
-constexpr double kLeastSigma_px = 0.02;  // Of a corner: what its fit cannot see.
+constexpr double kLeastSigma_px = 0.02;  // What a corner's fit cannot see.
 constexpr double kLeastReach = 0.9;
 constexpr double kMostScale = 0.03;
 constexpr double kMostTurn_rad = 10.0 * std::numbers::pi / 180.0;
@@ -80,7 +80,7 @@ MatrixXd priorOf(const Columns& columns, Index splines) {
 
 struct Fitted {
   Eigen::MatrixX2d unknowns;
-  MatrixXd covariance;  ///< Of one axis, mm².
+  MatrixXd covariance;  ///< Covariance of one axis, mm².
   double rms_mm{};
 };
 

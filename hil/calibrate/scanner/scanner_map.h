@@ -27,7 +27,7 @@ struct ScannerMap {
   static constexpr int kBarDegree = 5;
   static constexpr int kBar = kBarDegree - 1;  ///< Number of its functions.
 
-  int width_px{}, height_px{};                             ///< Of the picture of the whole glass.
+  int width_px{}, height_px{};                             ///< Size of the picture of the whole glass.
   Eigen::Matrix2d mm_per_px{Eigen::Matrix2d::Identity()};  ///< A; about diag(pitch, -pitch).
   Eigen::Matrix<double, 2, kBar> bar_mm{Eigen::Matrix<double, 2, kBar>::Zero()};
   Eigen::Matrix2Xd carriage_mm;  ///< A column for each B-spline; none: the carriage is true.

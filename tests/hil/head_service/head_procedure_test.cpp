@@ -134,7 +134,7 @@ TEST_F(HeadProcedure, EndsAfterTheLastGridWhenItIsNotGoodEnough) {
   EXPECT_THAT(names_, ElementsAre("1-grid", "1-verify-1"));
 }
 
-// By its tolerances the fit to nine marks leaves a doubt beyond the limit, however good the places that
+// Tolerances let the fit to nine marks leave a doubt beyond the limit, however good the places that
 // verify are: with them it is settled what the table is worth.
 TEST_F(HeadProcedure, IsGoodOnlyIfItsUncertaintyIsWithinTheLimitToo) {
   plan_.grids = {3};
@@ -232,7 +232,7 @@ TEST_F(HeadProcedure, ItsPageTellsTheVerdictHoweverItEnded) {
   EXPECT_THAT(headHtml(result, plan_, facts()), HasSubstr("a denser grid no longer improves it"));
 
   const HeadCalibration once = calibrateHeadOnce(setup_, plan_, result.iterations[0].marks);
-  EXPECT_FALSE(once.good());  // By what the fit alone states.
+  EXPECT_FALSE(once.good());  // The fit alone states that.
   EXPECT_THAT(once.endWords(plan_), testing::StartsWith("NOT GOOD: fitted and not verified"));
   plan_.limit_mm = 0.2;
   const HeadCalibration wide = calibrateHeadOnce(setup_, plan_, result.iterations[0].marks);

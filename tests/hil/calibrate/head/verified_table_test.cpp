@@ -146,7 +146,7 @@ TEST_P(VerifiedTables, HoldNinetyFivePercentOfThePlacesAndTheTrueLargestError) {
   EXPECT_GE(static_cast<double>(covered), 0.93 * static_cast<double>(places));
   EXPECT_GE(within, told.least_within * told.heads);
   EXPECT_LT(widest, told.widest_mm);
-  // By its tolerances alone the fit states too much or too little of such heads.
+  // Tolerances alone let the fit state too much or too little of such heads.
   EXPECT_EQ(static_cast<bool>(isNinetyFivePercent(by_fit, places)), told.fit_alone);
 }
 INSTANTIATE_TEST_SUITE_P(

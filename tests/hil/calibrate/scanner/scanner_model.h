@@ -23,8 +23,8 @@ struct ScannerModel {
   double pitch_mm{25.4 / 600.0};
   Eigen::Vector2d scale{1.0012, 0.9979};  ///< Along the bar, along the carriage's way.
   double skew_rad{1.1e-3};
-  double bow_mm{0.03};      ///< Of the bar, at its ends.
-  double wobble_mm{0.045};  ///< Of the carriage, with a wave of 23 and one of 41 mm.
+  double bow_mm{0.03};      ///< Bow of the bar, at its ends.
+  double wobble_mm{0.045};  ///< Wobble of the carriage, with a wave of 23 and one of 41 mm.
   double blur_px{0.7};
   double noise_gray{1.5};
   double board_gray{190.0}, ink_gray{35.0};

@@ -66,7 +66,7 @@ CalibrationTarget targetForGlass() {
 
 ScannerCalibration calibrated(const ScannerModel& scanner) {
   ScannerModel with_target = scanner;
-  with_target.turn_rad = -0.011;  // It was laid otherwise than the sheet.
+  with_target.turn_rad = -0.011;  // The target was laid otherwise than the sheet.
   with_target.p_GS_mm = {31.7, -31.8};
   return calibrateScanner(with_target.target(targetForGlass()),
                           {targetForGlass(), "glass-1", "2026-11-22", 600.0});
