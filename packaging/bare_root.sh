@@ -40,12 +40,15 @@ mkdir -p "$folder/tmp/packages"
 cp "$packages"/*.deb "$folder/tmp/packages/"
 names=$(for each in "$packages"/*.deb; do dpkg-deb -f "$each" Package; done)
 needs=$(for each in "$packages"/*.deb; do dpkg-deb -f "$each" Depends; done | tr ',' '\n' | sed 's/ *(.*//; s/^ *//' | sort -u | grep -v '^kerfbench' || true)
+needs="$needs python3"
 say "what they need"
 # shellcheck disable=SC2086
 in_root apt-get install -q -y --no-install-recommends $needs >"$packages/log" 2>&1 || { tail -n 20 "$packages/log" >&2; exit 70; }
 state >"$packages/before"
-say "apt install"
-in_root sh -c 'cd /tmp/packages && apt-get install -q -y --no-install-recommends ./*.deb' >"$packages/log" 2>&1 || { tail -n 20 "$packages/log" >&2; exit 70; }
+say "install.sh"
+# By the step of the CI templates; in the folder, apt-get install ./kerfbench_*.deb does the same.
+cp "$(dirname "$0")/ci/install.sh" "$folder/tmp/packages/"
+in_root sh -c 'cd /tmp/packages && ./install.sh ./*.deb' >"$packages/log" 2>&1 || { tail -n 20 "$packages/log" >&2; exit 70; }
 code=0
 say "$*"
 chroot --userspec=user:user "$folder" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/home/user LC_ALL=C.UTF-8 CI=true sh -c 'cd && "$@"' sh "$@" || code=$?

@@ -10,7 +10,7 @@ using namespace kerfbench;
 
 constexpr TickRate kRate{1, 1'000'000};  // A tick is a microsecond.
 constexpr double kStart_s = 0.02;
-constexpr double kPeriod_s = 200e-6;  // Of a step; half of it PUL is high.
+constexpr double kPeriod_s = 200e-6;  // One step; half of it PUL is high.
 constexpr int kSteps = 200;           // Each way.
 
 }  // namespace

@@ -21,7 +21,7 @@ class PatternSource final : public kerfbench::source::SignalSource {
 
   [[nodiscard]] kerfbench::source::SourceInfo info() const override;
   kerfbench::source::Stop advance(kerfbench::Tick until, kerfbench::source::Batch& batch) override;
-  /// It listens to nobody.
+  /// The pattern listens to nobody.
   void drive(kerfbench::PinId, bool, kerfbench::Tick) override {}
   void uartWrite(std::span<const std::uint8_t>) override {}
   [[nodiscard]] std::string message() const override { return "the pattern is at its end"; }
@@ -32,7 +32,7 @@ class PatternSource final : public kerfbench::source::SignalSource {
   kerfbench::SignalMap map_;
   std::vector<kerfbench::PinEvent> events_;  ///< All of them, by tick.
   std::size_t next_{};
-  std::vector<std::uint16_t> levels_;  ///< Of each port so far.
+  std::vector<std::uint16_t> levels_;  ///< Levels of each port so far.
 };
 
 }  // namespace own

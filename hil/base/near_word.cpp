@@ -9,7 +9,7 @@
 namespace kerfbench::base {
 namespace {
 
-constexpr std::size_t kLongest = 64;  // Of what a person types as one word.
+constexpr std::size_t kLongest = 64;  // A word that a person types.
 
 /// Least number of changes that make `b` of `a`, where neighbours are exchanged at most once.
 std::size_t changesBetween(std::string_view a, std::string_view b) {

@@ -14,7 +14,8 @@
 namespace kerfbench::cli {
 namespace {
 
-/// As the user would type it again: by ./bench where the bench was built, by its name where it is installed.
+/// The command line as the user would type it again: by ./bench where the bench was built, by its name where
+/// it is installed.
 std::string commandLine(const std::filesystem::path& bin_dir, int argc, char** argv) {
   std::string line = base::isInstalled(bin_dir) ? "kerfbench" : "./bench";
   for (int i = 1; i < argc; ++i) {

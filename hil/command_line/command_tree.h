@@ -29,7 +29,7 @@ struct CommandTree {
   std::string footer;  ///< What the help ends with; may be empty.
   std::vector<OptionText> options;
   std::vector<CommandTree> commands;
-  bool elsewhere{false};  ///< Its options are known to another program alone.
+  bool elsewhere{false};  ///< Another program alone knows its options.
 };
 
 }  // namespace kerfbench::command_line

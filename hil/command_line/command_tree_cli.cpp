@@ -7,7 +7,7 @@
 namespace kerfbench::command_line {
 namespace {
 
-/// Of "TEXT:{reference,fast}" and "ENUM:value in {a->0,b->1} OR {0,1}" the words in the first braces.
+/// Words in the first braces of "TEXT:{reference,fast}" or "ENUM:value in {a->0,b->1} OR {0,1}".
 std::vector<std::string> choicesIn(const std::string& type) {
   std::vector<std::string> choices;
   const auto begin = type.find('{'), end = type.find('}');

@@ -11,7 +11,7 @@ namespace kerfbench::command_line {
 /// A page for man(1), section 1.
 struct ManPage {
   std::string name;  ///< "kerfbench-calibrate-head": its file is that and ".1".
-  std::string text;  ///< In roff.
+  std::string text;  ///< The page in roff.
 };
 
 /// Pages of the program and of each of its commands, but for those that are elsewhere. `version` stands at

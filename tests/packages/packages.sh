@@ -28,6 +28,9 @@ code=0
 "$source/packaging/bare_root.sh" "$root" "$work"/once/kerfbench_*.deb -- sh -ec '
   kerfbench run /usr/share/kerfbench/scenarios/label-on-belt.yaml
   ls results/label-on-belt/latest/report.html
+  # What a CI runs there.
+  KERFBENCH_PLAN=/usr/share/kerfbench/scenarios/native/button.yaml KERFBENCH_RESULTS=ci /usr/share/kerfbench/ci/run_plan.sh
+  grep "| ✅ | button | PASS |" ci/summary.md
   cd /usr/share/kerfbench
   kerfbench run -q scenarios/native/button.yaml
   ls "$HOME/.local/state/kerfbench/results/"*' >"$work/log" 2>&1 || code=$?
