@@ -20,6 +20,9 @@ std::string commandLine(const std::filesystem::path& bin_dir, int argc, char** a
   std::string line = base::isInstalled(bin_dir) ? "kerfbench" : "./bench";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
+    // Who watches a run (--events) is no part of it: the report's command repeats the run.
+    if (word == "--events") ++i;
+    if (word == "--events" || word.starts_with("--events=")) continue;
     const bool plain = !word.empty() && word.find_first_of(" \t'\"$`\\*?;&|<>()") == std::string::npos;
     line += plain ? " " + word : " '" + word + "'";
   }
