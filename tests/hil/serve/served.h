@@ -58,7 +58,7 @@ class Served {
   Served(const InstalledBench& bench, const std::filesystem::path& bin_dir, const DoorLimits& limits = {},
          const std::string& address = "127.0.0.1")
       : door_({address, 0}, limits),
-        window_({bench.work(), bin_dir, bin_dir.parent_path() / "window", shippedFolders(bin_dir)},
+        window_({bench.work(), bin_dir, bench.path("lib/kerfbench/window"), shippedFolders(bin_dir)},
                 door_.address(),
                 [this](const std::string& token) {
                   const std::lock_guard lock(mutex_);
