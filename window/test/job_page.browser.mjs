@@ -362,7 +362,7 @@ step('at 640 px, which is 200 % of 1280, nothing is lost', async () => {
   await page.look({});
 });
 
-step('the machine is shown while it runs, and nothing was logged as an error', async () => {
+step('nothing was logged as an error, and nothing was asked for elsewhere', async () => {
   assert.deepEqual(
     page.errors.filter((line) => !/status of 4\d\d/.test(line)),
     [],
