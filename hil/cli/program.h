@@ -36,9 +36,10 @@ inline constexpr CommandText kServe{
     "The window: prepare a job, start it, watch the machine, look at results, in a browser on this computer. "
     "The\n"
     "address that it prints lets one browser in, once; docs/how-to/window.md."};
-inline constexpr CommandText kView{"view",
-                                   "The window with a trace opened: machine, pins, frames, plots and text at one "
-                                   "moment"};
+inline constexpr CommandText kView{
+    "view",
+    "The window with a trace opened: machine, pins, frames, plots and text at one "
+    "moment"};
 
 /// A command of kerfbench whose code is in another program.
 struct HandedOver {

@@ -21,7 +21,7 @@ struct RunOptions {
   bool quiet{};
   bool timing{};
   bool pictures{true};            ///< Whether the report has pictures of the machine.
-  bool verbose{};  ///< Progress is told without a terminal as well.
+  bool verbose{};                 ///< Progress is told without a terminal as well.
   bool keep_evidence{};           ///< Whether the evidence of the diagnosis goes into the results folder.
   bool trace{};                   ///< Whether the run is written as a trace, for people.
   int trace_frames{50};           ///< Every Nth frame of the spot camera goes into it; 0: none.

@@ -130,7 +130,7 @@ struct RunReport {
   bool model_pictures{};  ///< The pins are real, and the pictures are the model's.
   int calibration_max_age_days{inspect::kCalibrationMaxAge_days};  ///< As the scenario has it.
   bool calibrations_undated{};  ///< Real pictures, and no day to hold the age of their calibrations against.
-  std::string trace;  ///< File of the run's trace in the results folder; empty: there is none.
+  std::string trace;            ///< File of the run's trace in the results folder; empty: there is none.
   // What the wall clock and the host say.
   std::string host;
   std::string finished;  ///< Date and time of the end, for people.

@@ -64,8 +64,9 @@ void CalibratedCarton::expectATableMends(const std::vector<fs::path>& scenarios)
 
   // The calibration samples the same head by the same seed.
   const fs::path head = scratch_.path() / "head";
-  const ProgramRun calibrated = kerfbench(fmt::format(
-      "calibrate head --machine '{}' --seed 5 --results-dir '{}'", machine.string(), head.string()));
+  const ProgramRun calibrated =
+      kerfbench(fmt::format("calibrate head --machine '{}' --seed 5 --limit-mm 0.015 --results-dir '{}'",
+                            machine.string(), head.string()));
   ASSERT_EQ(calibrated.exit_code, 0) << calibrated.output;
 
   for (const fs::path& scenario : scenarios) {

@@ -42,8 +42,9 @@ TEST(InstrumentCommands, SayWhichProgramIsNotBuilt) {
                              alone.path() / "kerfbench");
   const ProgramRun run = program((alone.path() / "kerfbench").string(), "calibrate target --help");
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_EQ(run.output,
-            "kerfbench calibrate is in kerfbench-instrument, which is not built: ./bench setup builds it\n");
+  EXPECT_EQ(
+      run.output,
+      "kerfbench calibrate is in kerfbench-instrument, which is not built: ./bench calibrate builds it\n");
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ enum class Senses {
   kDrawn,
 };
 
-/// Entities in the order of job.given_order. With a kerf radius each has its part of the beam's path round the whole
-/// outline, as in drawnOrder(). @pre orderFaults() has none.
+/// Entities in the order of job.given_order. With a kerf radius each has its part of the beam's path round
+/// the whole outline, as in drawnOrder(). @pre orderFaults() has none.
 std::vector<Stop> handOrder(const dieline::Dieline& dieline, const JobParameters& job,
                             const PlannerFaults& faults, Senses senses = Senses::kNearest);
 

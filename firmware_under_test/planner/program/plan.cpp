@@ -103,8 +103,7 @@ std::string gcodeByHand(const dieline::Dieline& dieline, const MachineParameters
   if (const auto wrong = orderFaults(dieline, job.given_order); !wrong.empty())
     throw PlanError(fmt::format("order: {}", fmt::join(wrong, "\norder: ")));
   const auto write = [&](Senses senses) {
-    return needed(
-        writeGcode(piecesOf(handOrder(dieline, job, faults, senses), job), processNames(dieline)));
+    return needed(writeGcode(piecesOf(handOrder(dieline, job, faults, senses), job), processNames(dieline)));
   };
   std::string shortest = write(Senses::kNearest);
   if (speedWhileCutting(job) <= 0.0) return shortest;
