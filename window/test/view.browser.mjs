@@ -299,7 +299,7 @@ test('a run is seen while it goes on, and then its trace', async () => {
   await open(`/view?run=${encodeURIComponent(id)}`);
   await page.untilText('.tv-live-words', /\d s · .*real time/);
   await shot('live');
-  await page.until("() => document.querySelector('.viewer')?.viewer?.trace.checks.length > 0");
+  await page.until("() => { const t = document.querySelector('.viewer')?.viewer?.trace; return t?.checks.length > 0 && !t.details.waiting; }");
 });
 
 test('no view has said an error', () => {
