@@ -89,32 +89,28 @@ int replayOne(const Replay& replay, const judge::RunOptions& options) {
                              console);
 }
 
-int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
-  base::Stopwatch stopwatch;
-  base::Console console(options.quiet, options.events);
-  console.beVerbose(options.verbose);
-  scenario::Case test_case = caseWithOptions(path, image, options, console);
+/// The release, running; says where it is not kept from files and network.
+std::unique_ptr<source::SignalSource> openTold(const scenario::FirmwareChoice& firmware,
+                                               const judge::RunOptions& options, base::Console& console) {
+  auto source = run::openRelease(firmware, options.bin_dir);
+  const std::string unconfined = source->info().unconfined;
+  if (!unconfined.empty())
+    console.say(fmt::format(
+        "  note: the release sees files and network like any program of yours, because {}", unconfined));
+  return source;
+}
+
+int runOnTwin(const scenario::Case& test_case, const judge::RunOptions& options, base::Stopwatch& stopwatch,
+              base::Console& console) {
   const scenario::Scenario& scenario = test_case.scenario;
-  judge::refuseBlockedRuns(options.results_dir, scenario.name, options.output);
-  console.say(fmt::format("{}: {}", scenario.name, scenario.title));
-  console.event("scenario", {{"name", scenario.name}, {"title", scenario.title}});
-  live::refuseKerfPictures(test_case);
-  if (const auto code = refusedByWitness(test_case, scenario.name, options, stopwatch, console)) return *code;
-  if (scenario.firmware.onRealPins())
-    return live::runOnPins(test_case, live::realPins(options.bin_dir), options, stopwatch, console);
-  live::refuseRealCamera(test_case);
-  run::refuseUnfitController(test_case, options.bin_dir);
   const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
   run::PreparedJob job = run::prepareJob(test_case);
   console.say("  " + job.summary);
   console.expect(job.expected_s);
   stopwatch.lap("reading and planning");
 
-  const auto source = run::openRelease(scenario.firmware, options.bin_dir);
+  const auto source = openTold(scenario.firmware, options, console);
   const source::SourceInfo info = source->info();
-  if (!info.unconfined.empty())
-    console.say(fmt::format(
-        "  note: the release sees files and network like any program of yours, because {}", info.unconfined));
   const std::string firmware =
       fmt::format("{} ({})", scenario.firmware.image.filename().string(), sourceName(scenario.firmware));
   const std::unique_ptr<trace::RunTrace> traced =
@@ -155,6 +151,24 @@ int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions&
   if (job.dialog) conclusion.remarks = job.dialog->remarks();
   judge::collectControllerEvidence(test_case, job, run.recording, provocation.lineCut_s(), run, conclusion);
   return judge::conclude(test_case, run, conclusion, options, stopwatch, console);
+}
+
+int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
+  base::Stopwatch stopwatch;
+  base::Console console(options.quiet, options.events);
+  console.beVerbose(options.verbose);
+  scenario::Case test_case = caseWithOptions(path, image, options, console);
+  const scenario::Scenario& scenario = test_case.scenario;
+  judge::refuseBlockedRuns(options.results_dir, scenario.name, options.output);
+  console.say(fmt::format("{}: {}", scenario.name, scenario.title));
+  console.event("scenario", {{"name", scenario.name}, {"title", scenario.title}});
+  live::refuseKerfPictures(test_case);
+  if (const auto code = refusedByWitness(test_case, scenario.name, options, stopwatch, console)) return *code;
+  if (scenario.firmware.onRealPins())
+    return live::runOnPins(test_case, live::realPins(options.bin_dir), options, stopwatch, console);
+  live::refuseRealCamera(test_case);
+  run::refuseUnfitController(test_case, options.bin_dir);
+  return runOnTwin(test_case, options, stopwatch, console);
 }
 
 }  // namespace
