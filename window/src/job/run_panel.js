@@ -73,7 +73,7 @@ function checkRow(check) {
   return h(
     'li',
     {},
-    h('b', {}, `${check.title}${check.subject ? ` (${check.subject})` : ''}`),
+    h('b', {}, `${check.verdict === 'FAIL' ? '' : `${check.verdict}: `}${check.title}${check.subject ? ` (${check.subject})` : ''}`),
     h('span', {}, R.figureWords(check)),
     h('p', {}, check.explanation),
   );
@@ -110,7 +110,7 @@ function linksOf(run, store, actions) {
         'a',
         {
           class: 'button',
-          href: `/view?trace=${encodeURIComponent(run.trace)}${at_s === undefined ? '' : `#t=${at_s.toFixed(3)}`}`,
+          href: `/view?trace=${encodeURIComponent(run.trace)}${at_s === undefined ? '' : `#t=${at_s.toFixed(6)}`}`,
         },
         at_s === undefined ? 'Trace' : 'Trace at this moment',
       ),

@@ -48,5 +48,5 @@ export const toneOf = (outcome) => ({ PASS: 'pass', FAIL: 'fail', 'NOT PROVEN': 
 function valueWords({ value, limit, upper, unit }) {
   if (value === null) return '–';
   const places = Math.abs(value) >= 100 ? 1 : 3;
-  return `${quantity(value, places)}${limit === null ? '' : ` ${upper ? '≤' : '≥'} ${quantity(limit, places)}`} ${unit}`;
+  return `${quantity(value, places)}${limit === null ? '' : ` (at ${upper ? 'most' : 'least'} ${quantity(limit, places)})`} ${unit}`;
 }
