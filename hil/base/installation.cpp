@@ -25,7 +25,7 @@ fs::path shippedData(const fs::path& bin_dir) {
 }
 
 fs::path referencePages(const fs::path& bin_dir) {
-  return isInstalled(bin_dir) ? installedData(bin_dir) / "reference" : bin_dir.parent_path() / "reference";
+  return isInstalled(bin_dir) ? installedData(bin_dir) / "reference" : above(bin_dir) / "docs" / "reference";
 }
 
 fs::path windowPages(const fs::path& bin_dir) { return bin_dir.parent_path() / "window"; }

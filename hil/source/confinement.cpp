@@ -19,6 +19,11 @@ namespace fs = std::filesystem;
 
 // Where Debian has them: a search through PATH would run what a folder of somebody else's holds.
 constexpr const char* kBubblewrap = "/usr/bin/bwrap";
+#ifdef KERFBENCH_SANITIZED
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
 constexpr const char* kPrlimit = "/usr/bin/prlimit";
 
 std::vector<std::string> emptyRoom() {
@@ -57,6 +62,7 @@ int quietly(std::vector<std::string> command) {
 }
 
 std::string tryBubblewrap() {
+  if (kSanitized) return "this build has the sanitizers, which need files and terabytes of addresses";
   if (::access(kBubblewrap, X_OK) != 0) return "bubblewrap is not installed";
   std::vector<std::string> probe = emptyRoom();
   probe.emplace_back("/usr/bin/true");
@@ -78,11 +84,11 @@ Confinement confinementOf(const fs::path& program, const std::vector<fs::path>& 
   Confinement confinement;
   confinement.open_because = troubleOfBubblewrap();
   auto& words = confinement.launcher;
-  if (::access(kPrlimit, X_OK) == 0) {
+  if (!kSanitized && ::access(kPrlimit, X_OK) == 0) {
     words = {kPrlimit, "--as=" + std::to_string(kConfinedAddressSpace_bytes), "--core=0", "--"};
   }
   if (!confinement.open_because.empty()) {
-    words = base::endingWithParent(std::move(words));
+    if (!words.empty()) words = base::endingWithParent(std::move(words));
     return confinement;
   }
   for (std::string& word : emptyRoom()) words.push_back(std::move(word));

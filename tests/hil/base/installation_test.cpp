@@ -18,7 +18,7 @@ TEST(Installation, OfABuiltBenchHasItsDataInTheSources) {
   fs::create_directories(bin);
   EXPECT_FALSE(isInstalled(bin));
   EXPECT_EQ(shippedData(bin), source.path() / "fixtures");
-  EXPECT_EQ(referencePages(bin), source.path() / "build/release/reference");
+  EXPECT_EQ(referencePages(bin), source.path() / "docs/reference");
   EXPECT_EQ(windowPages(bin), source.path() / "build/release/window");
 }
 
