@@ -9,14 +9,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <utility>
 
 #include "hil/base/exit_codes.h"
 #include "hil/base/stopwatch.h"
+#include "hil/base/temporary.h"
 #include "hil/batch/job_process.h"
 #include "hil/serve/event_stream.h"
 #include "hil/serve/file_body.h"
@@ -37,27 +35,6 @@ constexpr std::size_t kLongestSerialNumber = 64;
 constexpr std::size_t kMostProblems = 20;
 /// Events that say how something stands now.
 constexpr std::array kStanding{"progress", "pins", "operator"};
-
-/// A folder that goes with its owner, for what a run tells.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "kerfbench-run-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr)
-      throw std::system_error(errno, std::generic_category(), "cannot make a folder in " + pattern);
-    path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 std::string textIn(const Json& json, const char* key) {
   if (!json.contains(key) || json[key].is_null()) return {};
@@ -203,7 +180,7 @@ class Runs::Run {
   }
 
   void runProcess(const fs::path& program, const std::function<bool()>& is_ending) {
-    const TemporaryFolder told;
+    const base::TemporaryFolder told(fs::temp_directory_path(), "kerfbench-run");
     const std::string events = told.path() / "events.jsonl", log = told.path() / "log.txt";
     std::vector<std::string> words{program.string()};
     words.insert(words.end(), words_.begin(), words_.end());

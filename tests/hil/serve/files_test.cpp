@@ -59,7 +59,7 @@ TEST_F(FilesTest, CalibrationsByHandAreListedAndTold) {
   EXPECT_THAT(pathsIn(list()["service"]), testing::ElementsAre("head", "results/head"));
   EXPECT_EQ(client_.get("/api/service?path=head").body, R"({"version":1})");
   EXPECT_EQ(client_.get("/api/service?path=none").status, 404);
-  EXPECT_EQ(client_.get("/api/service?path=../work/head").status, 400);
+  EXPECT_EQ(client_.get("/api/service?path=..%2Fwork%2Fhead").status, 400);
 }
 
 TEST_F(FilesTest, RunsAreListedTheNewestFirst) {
