@@ -4,6 +4,14 @@
 import { fill, h } from './shared/dom.js';
 import { kPages, shellBar } from './shared/shell.js';
 
+/** What fills a page: it fills `<main id=NAME>` when it is loaded.
+ * @type {Record<string, () => Promise<any>>} */
+const kLoad = {
+  view: () => import('./view/main.js'),
+  station: () => import('./station/main.js'),
+  service: () => import('./service/main.js'),
+};
+
 const body = /** @type {Element} */ (document.getElementById('window'));
 const page = kPages.find(({ href }) => href === location.pathname) ?? kPages[0];
 document.title = page.name === 'job' ? 'Kerfbench' : `${page.title} · Kerfbench`;
@@ -16,5 +24,5 @@ if (page.name === 'job') {
     body,
     h('div', { class: 'other-page' }, h('header', { class: 'top' }, shellBar(page.name)), h('main', { id: page.name })),
   );
-  await page.load();
+  await kLoad[page.name]();
 }

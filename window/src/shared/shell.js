@@ -3,13 +3,13 @@
 // @ts-check
 import { h, svg } from './dom.js';
 
-/** Pages of the window: how they are called, where they are, and what fills them. A page but `job` fills `<main id=NAME>`.
- * @type {{ name: string, title: string, href: string, load: () => Promise<any> }[]} */
+/** Pages of the window: how they are called and where they are.
+ * @type {{ name: string, title: string, href: string }[]} */
 export const kPages = [
-  { name: 'job', title: 'Job', href: '/', load: () => import('../job/main.js') },
-  { name: 'view', title: 'Trace', href: '/view', load: () => import('../view/main.js') },
-  { name: 'station', title: 'Station', href: '/station', load: () => import('../station/main.js') },
-  { name: 'service', title: 'Service', href: '/service', load: () => import('../service/main.js') },
+  { name: 'job', title: 'Job', href: '/' },
+  { name: 'view', title: 'Trace', href: '/view' },
+  { name: 'station', title: 'Station', href: '/station' },
+  { name: 'service', title: 'Service', href: '/service' },
 ];
 
 /** @param {string} here name of the page that is shown @returns {Element[]} */
