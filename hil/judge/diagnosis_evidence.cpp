@@ -265,7 +265,9 @@ class EvidenceMaker {
       const auto begin = out_.lines.begin() + static_cast<std::ptrdiff_t>(first);
       const auto unknown =
           std::count_if(begin, out_.lines.end(), [](const auto& l) { return std::isnan(l.asked_mm); });
-      if (2 * unknown > out_.lines.end() - begin && cuts.paired() && program.has(kerf.entity))
+      // What a release that stopped did not come to lies nowhere.
+      if (out_.stop.empty() && 2 * unknown > out_.lines.end() - begin && cuts.paired() &&
+          program.has(kerf.entity))
         for (auto line = begin; line != out_.lines.end(); ++line) timed(asked, cuts, kFar_mm, *line);
     }
   }
