@@ -18,6 +18,7 @@
 #include "hil/dieline/file_format.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
+#include "hil/dieline/remarks.h"
 #include "hil/fold/fold_machine.h"
 #include "hil/fold/fold_scenario.h"
 #include "hil/judge/run_options.h"
@@ -77,8 +78,11 @@ int lintDrawing(const fs::path& path, DrawingRules rules, bool with_witness,
   if (const auto advice = dieline::adviceOnRepeats(report)) warn(*advice);
   for (const std::string& sentence : dieline::acceptedSentences(report, rules.accepted)) warn(sentence);
   if (!quiet) {
-    for (const std::string& note : dieline.notes)
-      console.say(fmt::format("{}: note: {}", path.string(), note));
+    for (const dieline::Remark& remark : dieline::remarksOf(dieline)) {
+      console.say(fmt::format("{}{}: {}: {}", path.string(),
+                              remark.line > 0 ? fmt::format(":{}", remark.line) : "",
+                              remark.is_warning ? "warning" : "note", remark.message));
+    }
     const auto box = dieline.bounds();
     if (!box.isEmpty()) {
       console.say(fmt::format("{}: {} entities, {:.2f} x {:.2f} mm", path.string(), dieline.entities.size(),

@@ -61,6 +61,18 @@ double unitOf(const DxfFile& file, FaultList& faults) {
   }
 }
 
+/// The line at which a file says that its unit is none, 0 where it says nothing at all; nothing where it says
+/// one.
+std::optional<int> lineOfUnsaidUnit(const DxfFile& file) {
+  const auto number = [&](std::string_view name) -> std::optional<int> {
+    const auto it = file.header.find(name);
+    return it == file.header.end() ? std::nullopt : parsedNumber<int>(it->second.text);
+  };
+  const auto units = number("$INSUNITS");
+  if (units) return *units == 0 ? std::optional(file.header.find("$INSUNITS")->second.line) : std::nullopt;
+  return number("$MEASUREMENT") == 0 ? std::nullopt : std::optional(0);
+}
+
 /// Things beside the lines of a drawing: text, measures, fills, pictures and construction lines.
 bool isBesideTheLines(std::string_view type) {
   constexpr std::array kTypes{"TEXT",        "MTEXT",       "RTEXT",         "ARCALIGNEDTEXT",
@@ -249,7 +261,9 @@ Dieline readDxf(std::string text, const DrawingOptions& options, FaultList& faul
   Dieline dieline;
   dieline.path = faults.path();
   Eigen::Affine2d X = Eigen::Affine2d::Identity();
-  X.scale(options.unit ? millimetresOf(*options.unit) : unitOf(file, faults));
+  const double unit_mm = options.unit ? millimetresOf(*options.unit) : unitOf(file, faults);
+  if (const auto line = lineOfUnsaidUnit(file)) dieline.unsaid_unit = UnsaidUnit{*line, unit_mm};
+  X.scale(unit_mm);
   Unfolder(file, options, faults, dieline, progress).read(X);
   faults.throwIfAny();
   return dieline;

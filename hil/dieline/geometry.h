@@ -86,11 +86,18 @@ struct Entity {
 /// hole that is cut alone is still a hole.
 inline Process drawnFor(const Entity& entity) { return entity.left_out.value_or(entity.process); }
 
+/// How long one unit was taken to be, where the file itself does not say it.
+struct UnsaidUnit {
+  int line{};            ///< Line at which the file would say it; 0: nowhere.
+  double taken_mm{1.0};  ///< As it was told, or what is usual.
+};
+
 struct Dieline {
   std::string path;
   std::vector<Entity> entities;
   /// What the file holds besides and what was mended, one sentence for each kind: "TEXT: 3 are ignored, …".
   std::vector<std::string> notes{};
+  std::optional<UnsaidUnit> unsaid_unit{};
 
   /// Box around all entities that are not kIgnore; exact to 1e-6 mm. Empty box if there is none.
   [[nodiscard]] Eigen::AlignedBox2d bounds() const;

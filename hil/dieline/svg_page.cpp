@@ -97,7 +97,8 @@ SvgPage svgPage(const pugi::xml_node& root, std::string_view prolog, const Drawi
   const bool is_physical =
       isPhysical(root.attribute("width").value()) || isPhysical(root.attribute("height").value());
   const auto known = pxPerInchOfProgram(root, prolog);
-  if (!options.unit && !known && !is_physical) {
+  page.says_unit = known || is_physical;
+  if (!options.unit && !page.says_unit) {
     faults.add(line,
                "svg gives its size in px only, and does not say which program wrote it: 96, 90 and 72 px per "
                "inch are usual; say dieline: {unit: px} for 96 (CSS, Inkscape since 0.92), {unit: pt} for 72 "

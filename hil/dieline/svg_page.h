@@ -22,6 +22,7 @@ struct SvgPage {
   double px_per_inch{96.0};  ///< 96 in CSS, 72 of Illustrator, 90 of Inkscape up to 0.91.
   Eigen::Affine2d X{Eigen::Affine2d::Identity()};  ///< User units -> mm in S; the page's bottom left is 0, 0.
   Eigen::Vector2d size{Eigen::Vector2d::Zero()};   ///< Size of the page in user units: what 100 % is.
+  bool says_unit{true};  ///< The file says how long a unit is, or which program wrote it.
 };
 
 /// A length attribute in user units. Percentages are of `whole`; nothing where it is missing or "auto".

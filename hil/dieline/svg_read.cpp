@@ -74,6 +74,8 @@ class SvgReader {
     const SvgPage page =
         svgPage(root, std::string_view(prolog).substr(0, before_root), options_, lineOf(root), faults_);
     px_per_inch_ = page.px_per_inch;
+    if (options_.unit && !page.says_unit)
+      dieline_.unsaid_unit = UnsaidUnit{lineOf(root), millimetresOf(*options_.unit)};
     SvgContext context;
     context.X = page.X;
     context.viewport = page.size;
