@@ -75,6 +75,24 @@ void printIssues(const json& issues, const fs::path& scenario) {
   }
 }
 
+/// What has to be known before a new scenario is run: what was left out of the drawing, its unit, and why the
+/// job does not fit as it is.
+void tellOfNew(const NewOptions& options, const std::string& text) {
+  base::Console console(true);
+  const desk::ScenarioText scenario{text, fs::absolute(options.out).lexically_normal()};
+  const json check = json::parse(desk::checkJson(scenario, requestOn(console, options.bin_dir)));
+  printIssues(check["issues"], options.out);
+  const json findings = check["drawing"].is_object() ? check["drawing"]["findings"] : json::array();
+  for (const json& finding : findings) {
+    printLine(stderr,
+              fmt::format("{}: {}: {}", options.drawing.string(), finding["severity"].get<std::string>(),
+                          finding["message"].get<std::string>()));
+  }
+  if (!check["fits"]) return;
+  const json plan = json::parse(desk::planJson(scenario, std::nullopt, requestOn(console, options.bin_dir)));
+  printIssues(plan["issues"], options.out);
+}
+
 /// The page that plays the program, for a scenario that fits.
 std::string previewPage(const PlanOptions& options, const std::string& text, const std::string& gcode) {
   const scenario::Case whole =
@@ -143,6 +161,7 @@ int newCommand(const NewOptions& options) {
     console.endProgress();
     base::writeFileAtomically(options.out, text);
     printLine(stdout, options.out.string());
+    tellOfNew(options, text);
     return 0;
   });
 }

@@ -14,6 +14,7 @@
 
 #include "hil/desk/json_text.h"
 #include "hil/desk/scenario_check.h"
+#include "hil/dieline/remarks.h"
 
 namespace kerfbench::desk {
 namespace {
@@ -206,6 +207,11 @@ json drawingJson(const dieline::Dieline& drawing, const dieline::LintReport& lin
                                 lines.shown(), drawing.entities.size(), kMostEntitiesShown,
                                 kMostPointsShown));
   }
+  json unit;
+  if (const auto& unsaid = drawing.unsaid_unit)
+    unit = {{"line", unsaid->line},
+            {"taken_mm", unsaid->taken_mm},
+            {"name", dieline::nameOfUnit(unsaid->taken_mm)}};
   const bool is_empty = lines.box_mm().isEmpty();
   return {{"svg", lines.svg()},
           {"size_mm", pairOf(is_empty ? Vector2d::Zero() : Vector2d(lines.box_mm().sizes()))},
@@ -215,6 +221,7 @@ json drawingJson(const dieline::Dieline& drawing, const dieline::LintReport& lin
           {"entities", lines.entities()},
           {"findings", findingsOf(drawing, lint, accepted)},
           {"layers", layersOf(drawing)},
+          {"unsaid_unit", std::move(unit)},
           {"notes", std::move(notes)}};
 }
 

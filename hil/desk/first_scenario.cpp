@@ -20,9 +20,12 @@
 #include "hil/base/yaml_reader.h"
 #include "hil/desk/file_name.h"
 #include "hil/desk/job_case.h"
+#include "hil/desk/sheet_place.h"
 #include "hil/desk/yaml_words.h"
+#include "hil/dieline/file_format.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
+#include "hil/dieline/remarks.h"
 #include "hil/machine_file/machine_file.h"
 
 namespace kerfbench::desk {
@@ -36,12 +39,10 @@ constexpr double kEnergySurplus = 1.6;
 constexpr double kCutFluence_j_mm2 = 0.5;
 /// Most of the laser's power that marks ask for: the rest is for what a run adds.
 constexpr double kPowerShare = 0.8;
+/// The usual release must make so much of the usual 300 mm/s.
+constexpr double kSlowestUsual_mm_s = 150.0;
 /// How often the speeds are halved until the job fits.
 constexpr int kMostTries = 5;
-/// Registration marks lie so far from the drawing, and from each other at least.
-constexpr double kMarkOff_mm = 7.0;
-constexpr double kMarkDiameter_mm = 3.0;
-constexpr double kMarkIn_mm = 5.0;
 
 /// A drawing as it can be read, and what has to be said for that.
 struct ReadDrawing {
@@ -64,6 +65,14 @@ ReadDrawing readAnyLayers(const fs::path& file, const base::ProgressFn& progress
     }
     throw;
   }
+}
+
+void refuseEmpty(const fs::path& file, const dieline::Dieline& drawing) {
+  if (!drawing.bounds().isEmpty()) return;
+  std::string why;
+  for (const dieline::Remark& remark : dieline::remarksOf(drawing))
+    if (remark.line > 0) why += fmt::format("\n{}:{}: {}", file.string(), remark.line, remark.message);
+  throw base::InputError(fmt::format("{}: it holds no line that could be cut{}", file.string(), why));
 }
 
 /// A layer, what it is taken for, and whether that is a guess.
@@ -116,8 +125,6 @@ std::string folderName(const fs::path& file) {
   return name.empty() || name.front() == '.' ? "job" + name : name;
 }
 
-double rounded(double value, double step) { return std::round(value / step) * step; }
-
 /// Writes the scenario; the speeds may be tried several times.
 class ScenarioWriter {
  public:
@@ -131,14 +138,11 @@ class ScenarioWriter {
     for (const LayerGuess& layer : layers_) processes[layer.name] = layer.process;
     for (dieline::Entity& entity : drawing_.dieline.entities) entity.process = processes[entity.layer];
     box_ = drawing_.dieline.bounds();
-    if (box_.isEmpty())
-      throw base::InputError(wish.drawing.string() + ": it holds no line that could be cut");
+    refuseEmpty(wish.drawing, drawing_.dieline);
     const auto& told = machine_.controller;
     field_ = Eigen::AlignedBox2d(Eigen::Vector2d(told.field_min_mm[0], told.field_min_mm[1]),
                                  Eigen::Vector2d(told.field_max_mm[0], told.field_max_mm[1]));
-    shift_y_mm_ = box_.min().y() < field_.min().y() || box_.max().y() > field_.max().y()
-                      ? rounded(field_.center().y() - box_.center().y(), 0.001)
-                      : 0.0;
+    place_ = placeOnSheet(box_, field_);
     energy_j_mm_ = kEnergySurplus * kCutFluence_j_mm2 * machine_.beam.waist_radius_mm *
                    std::sqrt(0.5 * std::numbers::pi);
   }
@@ -164,16 +168,16 @@ class ScenarioWriter {
                                base::printable(wish_.drawing.filename().string(), 120), box_.sizes().x(),
                                box_.sizes().y(), base::printable(machine_.name))));
     const std::string file = yamlScalar(nameFromFolder(wish_.drawing, folder));
-    if (drawing_.unit.empty() && shift_y_mm_ == 0.0) {
+    if (drawing_.unit.empty() && place_.shift_y_mm == 0.0) {
       text += fmt::format("dieline: {}\n", file);
     } else {
       text += fmt::format("dieline:\n  file: {}\n", file);
       if (!drawing_.unit.empty())
         text += fmt::format("  unit: {}   # The file does not say what its unit is: look at the size.\n",
                             drawing_.unit);
-      if (shift_y_mm_ != 0.0)
-        text +=
-            fmt::format("  shift: [0, {}]   # Into the middle of the field across the web.\n", shift_y_mm_);
+      if (place_.shift_y_mm != 0.0)
+        text += fmt::format("  shift: [0, {}]   # Into the middle of the field across the web.\n",
+                            place_.shift_y_mm);
     }
     if ((box_.sizes().array() > field_.sizes().array()).any()) {
       text += fmt::format("# The drawing is {:.1f} x {:.1f} mm, the field of the beam {:g} x {:g} mm.\n",
@@ -197,11 +201,6 @@ class ScenarioWriter {
 
   /// Five registration marks round the drawing; the fifth tells a sheet that is turned round.
   [[nodiscard]] std::string sheet() const {
-    const double in_mm = box_.sizes().x() > 4.0 * kMarkIn_mm ? kMarkIn_mm : -kMarkIn_mm;
-    const double left = rounded(box_.min().x() + in_mm, 0.5), right = rounded(box_.max().x() - in_mm, 0.5);
-    const double low = rounded(box_.min().y() + shift_y_mm_ - kMarkOff_mm, 0.5);
-    const double high = rounded(box_.max().y() + shift_y_mm_ + kMarkOff_mm, 0.5);
-    const double fifth = rounded(left + 0.7 * (right - left), 0.5);
     std::string text =
         "\nboard:\n  thickness_mm: 0.4\n"
         "  cut_fluence_j_mm2: 0.5   # Energy per area that just cuts through.\n"
@@ -209,18 +208,24 @@ class ScenarioWriter {
         "\nprint:\n  units: 1\n";
     text += fmt::format(
         "  pitch_mm: {:g}\n  marks:   # Registration marks beside the drawing: where the print has them.\n",
-        std::ceil(box_.sizes().x() + 20.0));
-    for (const Eigen::Vector2d& p :
-         {Eigen::Vector2d(left, low), Eigen::Vector2d(left, high), Eigen::Vector2d(right, low),
-          Eigen::Vector2d(right, high), Eigen::Vector2d(fifth, high)})
+        place_.pitch_mm);
+    for (const Eigen::Vector2d& p : place_.marks_mm)
       text += fmt::format("    - {{x_mm: {:g}, y_mm: {:g}, diameter_mm: {:g}}}\n", p.x(), p.y(),
                           kMarkDiameter_mm);
-    const double start_mm = rounded(field_.center().x() - box_.center().x(), 0.001);
     return text + fmt::format(
                       "\nbelt:\n  speed_mm_s: 0      # The sheet lies at rest; a speed makes it a web that "
                       "never stops,\n"
                       "  start_x_mm: {}  # and takes this away: the drawing is in the middle of the field.\n",
-                      start_mm);
+                      place_.start_x_mm);
+  }
+
+  /// Whether the usual release, with 31 steps of an axis in 0.8 ms, would be too slow for such mirrors.
+  [[nodiscard]] bool hasFineSteps() const {
+    const auto& told = machine_.controller;
+    const double arm_mm = told.focal_length_mm > 0.0 ? told.focal_length_mm : told.throw_mm;
+    const planner::Target usual;
+    return !isGantry() &&
+           usual.max_steps * 2.0 * told.mirror_step_rad * arm_mm / usual.periodS() < kSlowestUsual_mm_s;
   }
 
   /// A release for the controller that the machine's pins are of.
@@ -235,6 +240,8 @@ class ScenarioWriter {
       is_stm32 = is_stm32 || (!is_8051 && pin.size() == 4);
     }
     std::string release = "{source: native, image: controller-native, mcu: native}";
+    if (hasFineSteps())
+      release = "{source: native, image: controller-native-galvo, mcu: native, baud: 2000000}";
     if (is_8051)
       release =
           "{source: mcs51, image: controller-mcs51.hex, mcu: stc15w4k32s4, clock_hz: 24000000, baud: 125000}";
@@ -264,7 +271,7 @@ class ScenarioWriter {
   std::vector<LayerGuess> layers_;
   bool has_plain_rules_{true};
   Eigen::AlignedBox2d box_, field_;
-  double shift_y_mm_{};
+  SheetPlace place_;
   double energy_j_mm_{};
 };
 
@@ -282,6 +289,10 @@ bool isAsFastAsItMay(const std::string& text, const fs::path& out, const DeskReq
 }
 
 }  // namespace
+
+void refuseUncuttable(const fs::path& drawing, const DeskRequest& request) {
+  if (dieline::fileFormatOf(drawing)) refuseEmpty(drawing, readAnyLayers(drawing, request.progress).dieline);
+}
 
 std::string firstScenario(const NewScenario& wish, const DeskRequest& request) {
   const ScenarioWriter writer(wish, request);

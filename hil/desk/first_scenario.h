@@ -21,4 +21,8 @@ struct NewScenario {
 /// @throws base::InputError, DielineError, ConfigError where drawing or machine cannot be used.
 std::string firstScenario(const NewScenario& wish, const DeskRequest& request);
 
+/// @throws base::InputError, DielineError where nothing of a drawing can be cut. Files that are no drawings
+/// pass.
+void refuseUncuttable(const std::filesystem::path& drawing, const DeskRequest& request);
+
 }  // namespace kerfbench::desk

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "firmware_under_test/planner/head/axes.h"
 #include "firmware_under_test/planner/order/hand_order.h"
@@ -21,8 +23,10 @@
 #include "hil/base/input_error.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/desk/desk_issue.h"
+#include "hil/desk/gcode_departure.h"
 #include "hil/desk/job_case.h"
 #include "hil/desk/json_text.h"
+#include "hil/desk/run_doubts.h"
 
 namespace kerfbench::desk {
 namespace {
@@ -145,7 +149,7 @@ class TextPlan {
       job_ = scenario::plannerJob(test_case);
       faults_ = test_case.scenario.planner_faults;
       gcode_ = gcode ? *gcode : gcodeOf(test_case);
-      plan(test_case);
+      plan(test_case, gcode || !test_case.scenario.job_gcode.empty());
     } catch (const planner::PlanError& error) {
       addSentences(error.what());
     }
@@ -185,7 +189,45 @@ class TextPlan {
     return *text;
   }
 
-  void plan(const scenario::Case& test_case) {
+  /// What a G-code by hand cuts away from the drawing, or leaves of it. A run would tell it as well, by its
+  /// cuts.
+  void compare(const scenario::Case& test_case) {
+    constexpr std::size_t kMostTold = 100;
+    GcodeComparison found;
+    try {
+      planner::JobParameters drawn = job_;
+      drawn.order = planner::JobParameters::Order::kDrawn;
+      found = comparedWithPlan(planner::unitOf(planner::readGcode(gcode_)),
+                               planner::readGcode(planner::makeGcode(*test_case.dieline, machine_, drawn)),
+                               test_case.scenario.limits.path_mm);
+    } catch (const planner::PlanError&) {
+      return;  // Either of them is no path, which the check tells.
+    }
+    std::size_t told = 0;
+    const auto tell = [&](json issue, const std::string& message) {
+      if (++told > kMostTold) return;
+      issue.update({{"message", message}, {"severity", "warning"}, {"source", "gcode"}});
+      issues_.push_back(std::move(issue));
+    };
+    for (const GcodeDeparture& line : found.departures) {
+      tell(
+          {{"line", line.line}, {"where_mm", {told_mm(line.p_S_mm.x()), told_mm(line.p_S_mm.y())}}},
+          fmt::format("G-code line {}: its cut leaves the drawing by {}, at x {:.2f}, y {:.2f} mm", line.line,
+                      line.off_mm < kFarthestLooked_mm ? fmt::format("{:.2f} mm", line.off_mm)
+                                                       : fmt::format("{:g} mm or more", kFarthestLooked_mm),
+                      line.p_S_mm.x(), line.p_S_mm.y()));
+    }
+    for (const UncutPiece& piece : found.uncut) {
+      tell({{"line", 0}, {"entities", {piece.entity}}},
+           fmt::format("E{}: {:.1f} mm of it are cut by no line of the G-code", piece.entity,
+                       piece.length_mm));
+    }
+    if (told <= kMostTold) return;
+    issues_.push_back(
+        issueOf(fmt::format("{} more places of the G-code are not as drawn", told - kMostTold), false));
+  }
+
+  void plan(const scenario::Case& test_case, bool is_by_hand) {
     const planner::CheckResult checked = planner::checkJob(gcode_, machine_, job_, faults_);
     for (const std::string& error : checked.errors) issues_.push_back(issueOf(error, true));
     for (const std::string& warning : checked.warnings) issues_.push_back(issueOf(warning, false));
@@ -194,6 +236,7 @@ class TextPlan {
     } catch (const planner::PlanError&) {
       return;  // The check has told what is wrong with the text.
     }
+    if (is_by_hand) compare(test_case);
     for (const std::string& doubt : planner::orderDoubts(*test_case.dieline, lines_.order))
       issues_.push_back(issueOf(doubt, false));
     if (job_.kerf_radius_mm > 0.0)
@@ -201,8 +244,10 @@ class TextPlan {
         issues_.push_back(issueOf(note, false));
     if (!checked.solution) return;
     const planner::Plan plan = planner::planFromChecked(checked, gcode_, machine_, job_, faults_);
-    const UnitMotion motion = planner::unitMotion(plan.program, 0, *checked.solution, machine_, job_,
-                                                  planner::Axes(machine_, faults_));
+    const planner::Axes axes(machine_, faults_);
+    const UnitMotion motion = planner::unitMotion(plan.program, 0, *checked.solution, machine_, job_, axes);
+    for (const std::string& doubt : runDoubts(test_case, machine_, job_, motion, axes))
+      issues_.push_back(issueOf(doubt, false));
     preview_ = previewOf(motion, machine_);
     facts_ = {{"unit_time_s", plan.unit_time_s},
               {"cycle_time_s", plan.cycle_time_s},

@@ -18,9 +18,11 @@
 #include "hil/desk/json_text.h"
 #include "hil/desk/scenario_values.h"
 #include "hil/desk/yaml_layout.h"
+#include "hil/dieline/remarks.h"
 #include "hil/machine_file/machine_check.h"
 #include "hil/machine_file/machine_file.h"
 #include "hil/run/controller_fit.h"
+#include "hil/scenario/camera_files.h"
 #include "hil/scenario/case.h"
 #include "hil/scenario/scenario.h"
 
@@ -58,6 +60,7 @@ class TextCheck {
              {"own", values_.own}};
     all["drawing"] = std::move(drawing_);
     all["machine"] = std::move(machine_);
+    all["sheet"] = draft_ ? sheetJson() : json();
     return jsonText(all);
   }
 
@@ -132,6 +135,21 @@ class TextCheck {
                 {"feeds", told.feed_step_mm > 0.0}};
   }
 
+  /// Marks and place of the sheet, for a picture of it.
+  [[nodiscard]] json sheetJson() const {
+    const scenario::Scenario& of = draft_->scenario;
+    json marks = json::array();
+    for (const RegistrationMark& mark : of.print.marks)
+      marks.push_back(
+          {{"x_mm", mark.p_SM_mm.x()}, {"y_mm", mark.p_SM_mm.y()}, {"diameter_mm", mark.diameter_mm}});
+    const bool is_at_rest = !of.sheetMoves() && !of.belt_by_controller && of.web_start_x_mm.has_value();
+    return {{"marks", std::move(marks)},
+            {"pitch_mm", of.print.pitch_mm},
+            {"units", of.print.units},
+            {"moves", of.sheetMoves()},
+            {"start_x_mm", is_at_rest ? json(*of.web_start_x_mm) : json()}};
+  }
+
   /// What scenario and machine ask of each other.
   void checkTogether() {
     scenario::Case both;
@@ -141,6 +159,11 @@ class TextCheck {
     scenario::refuseUnwired(both);
     run::refuseUnfitController(both, request_.bin_dir);
     machine_file::refuseUnfit(*file_, scenario::webOf(both));
+    both.spot_camera = file_->spot_camera;
+    both.kerf_camera = file_->kerf_camera;
+    // A run says so as well, but after it has cut, and as INVALID.
+    for (const std::string& problem : scenario::readCalibrations(both).problems)
+      issues_.push_back({.is_error = false, .key = "machine", .message = problem});
   }
 
   void readDrawing() {
@@ -156,6 +179,11 @@ class TextCheck {
         dieline::lintDieline(whole.entities.empty() ? drawing : whole, kMostFindings, request_.progress);
     for (const dieline::LintFinding& finding : lint.findings)
       has_bad_finding_ = has_bad_finding_ || (finding.is_error && !dieline::isAccepted(finding, of.accepted));
+    for (const dieline::Remark& remark : dieline::remarksOf(drawing)) {
+      if (!remark.is_warning) continue;
+      issues_.push_back(
+          {.file = of.dieline, .line = remark.line, .is_error = false, .message = remark.message});
+    }
     drawing_ = drawingJson(drawing, lint, of.accepted);
     drawing_["file"] = nameOf(of.dieline);
   }

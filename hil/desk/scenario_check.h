@@ -18,11 +18,15 @@ namespace kerfbench::desk {
 ///                      "closed", "left_out"}],                left_out: its process, were it selected
 ///        "findings": [{"kind", "severity", "message", "where_mm": [x, y], "entities": [id …], "line",
 ///                      "accepted"}],
-///        "layers": [{"name", "process", "count", "length_mm"}], "notes": [text]},
+///        "layers": [{"name", "process", "count", "length_mm"}], "notes": [text],
+///        "unsaid_unit": null | {"line", "taken_mm", "name"}},   the file does not say how long a unit is
 ///      "values": {"belt.speed_mm_s": 60 …},                 as the file and those it extends say, flat
 ///      "own": ["belt.speed_mm_s" …],                        of these, the ones that this file says itself
 ///      "machine": null | {"file", "name", "kind", "field": {"min_mm", "max_mm"}, "full_power_w",
-///                         "tracking_delay_s", "feeds": bool}}
+///                         "tracking_delay_s", "feeds": bool},
+///      "sheet": null | {"marks": [{"x_mm", "y_mm", "diameter_mm"}], "pitch_mm", "units", "moves": bool,
+///                       "start_x_mm": null | number}}         place of S under the head while it lies at
+///                       rest
 ///
 /// Line and column begin at 1; 0: unknown. Curves are flattened to 0.01 mm. Beyond kMostShown entities or
 /// points the drawing's `entities` end, `shown` < `count` says so, and a note tells it; counts, lengths and

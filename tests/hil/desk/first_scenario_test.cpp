@@ -77,6 +77,34 @@ TEST(FirstScenarioText, LayersWithoutAUsualNameAreThereToBeDecided) {
   EXPECT_TRUE(json::parse(planJson({text, out}, std::nullopt, kRequest))["fits"]) << text;
 }
 
+/// The usual release makes 31 steps in 0.8 ms: 72 mm/s on this machine, at which its spot camera sees
+/// nothing.
+TEST(FirstScenarioText, FineMirrorsGetTheReleaseThatIsQuickEnough) {
+  const base::TempFolder temp;
+  const fs::path out = temp.path() / "fine.yaml";
+  const auto issues = [&](const std::string& text) {
+    const json plan = json::parse(planJson({text, out}, std::nullopt, kRequest));
+    EXPECT_TRUE(plan["fits"]) << plan["issues"];
+    return plan["issues"];
+  };
+  const std::string text = firstScenario(
+      {base::fixture("dielines/label-60x40.dxf"), base::fixture("machines/two-mirror-300.yaml"), out},
+      kRequest);
+  EXPECT_THAT(text, testing::HasSubstr("controller-native-galvo"));
+  EXPECT_TRUE(issues(text).empty()) << issues(text);
+  // As on a page where somebody chooses this machine for a job of another: told before Start, with what to
+  // change.
+  const json told = issues(base::replaced(text, "image: controller-native-galvo, mcu: native, baud: 2000000",
+                                          "image: controller-native, mcu: native"));
+  ASSERT_EQ(told.size(), 2U) << told;
+  EXPECT_EQ(told[0]["severity"], "warning");
+  EXPECT_THAT(told[0]["message"].get<std::string>(),
+              testing::AllOf(testing::HasSubstr("of the 300 mm/s that are asked"),
+                             testing::HasSubstr("choose a release with quicker steps")));
+  EXPECT_THAT(told[1]["message"].get<std::string>(),
+              testing::AllOf(testing::HasSubstr("of 255 grey values"), testing::HasSubstr("mark faster")));
+}
+
 TEST(FirstScenarioText, WhatCannotBeReadIsRefused) {
   const base::TempFolder temp;
   const fs::path machine = base::fixture("machines/two-mirror.yaml");
