@@ -15,6 +15,7 @@
 #include "hil/desk/first_scenario.h"
 #include "hil/desk/hand_order.h"
 #include "hil/desk/job_plan.h"
+#include "hil/desk/place_anew.h"
 #include "hil/desk/reference_keys.h"
 #include "hil/desk/scenario_check.h"
 #include "hil/desk/scenario_copy.h"
@@ -133,6 +134,29 @@ Answer DeskRoutes::order(const Asked& asked) {
   const desk::ScenarioText scenario = scenarioIn(json, files_);
   const std::vector<int> order = orderIn(json);
   return byDesk([&] { return desk::orderJson(scenario, order, requestOf(files_, bin_dir_)); });
+}
+
+Answer DeskRoutes::place(const Asked& asked) {
+  const Json json = asked.json();
+  const desk::ScenarioText scenario = scenarioIn(json, files_);
+  std::optional<std::string> unit;
+  if (json.contains("unit") && !json["unit"].is_null()) unit = textOf(json, "unit");
+  return byDesk([&] { return desk::placeJson(scenario, unit, requestOf(files_, bin_dir_)); });
+}
+
+void DeskRoutes::refuseUncuttable(const fs::path& file, const std::string& name) {
+  try {
+    (void)byDesk([&] {
+      desk::refuseUncuttable(file, requestOf(files_, bin_dir_));
+      return std::string();
+    });
+  } catch (const Refusal& refusal) {
+    // It lies elsewhere while it is looked at.
+    std::string words = refusal.what();
+    for (auto at = words.find(file.string()); at != std::string::npos; at = words.find(file.string(), at))
+      words.replace(at, file.string().size(), name);
+    throw Refusal(refusal.status(), words);
+  }
 }
 
 std::string DeskRoutes::freeName(const std::string& folder, const std::string& wanted) const {

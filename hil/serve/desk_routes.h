@@ -35,6 +35,11 @@ class DeskRoutes {
   /// "name"}: a copy of a scenario, as its text stands in the editor. Both are written, under a name that is
   /// free.
   Answer create(const Asked& asked);
+  /// POST /api/place {"scenario_text", "path", "unit"}
+  Answer place(const Asked& asked);
+  /// Refuses a drawing of which nothing can be cut; `name`: as its user knows it. Other files pass.
+  /// @throws Refusal 400.
+  void refuseUncuttable(const std::filesystem::path& file, const std::string& name);
 
  private:
   /// "jobs/NAME.yaml", with a number where that is there already.

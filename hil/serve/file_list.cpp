@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
@@ -15,6 +14,7 @@
 #include "hil/base/file_content.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/judge/run_folder.h"
+#include "hil/serve/service_files.h"
 
 namespace kerfbench::serve {
 namespace {
@@ -131,21 +131,6 @@ class Releases {
   std::map<std::string, Json> known_;
 };
 
-/// Folders of calibrations by hand, by their steps.json, the one that was used last first.
-Json servicesIn(const fs::path& root, const std::vector<std::string>& steps) {
-  std::vector<std::pair<fs::file_time_type, std::string>> found;
-  for (const std::string& name : steps) {
-    std::error_code error;
-    const fs::file_time_type written = fs::last_write_time(root / name, error);
-    if (!error && !name.starts_with(kShipped))
-      found.emplace_back(written, fs::path(name).parent_path().generic_string());
-  }
-  std::ranges::sort(found, std::greater{});
-  Json rows = Json::array();
-  for (const auto& [written, folder] : found) rows.push_back({{"path", folder}});
-  return rows;
-}
-
 std::vector<std::string> runFolders(const fs::path& results) {
   std::vector<std::string> found;
   std::error_code ignored;
@@ -205,7 +190,7 @@ Json FileList::json() const {
   Json list{{"scenarios", Json::array()}, {"machines", Json::array()}, {"drawings", Json::array()},
             {"images", Json::array()},    {"runs", Json::array()},     {"traces", Json::array()}};
   Releases releases;
-  std::vector<std::string> images, services;
+  std::vector<std::string> images;
   for (const std::string& name : walk.names) {
     const std::string ending = fs::path(name).extension().string();
     const bool is_result = name.starts_with("results/");
@@ -214,7 +199,6 @@ Json FileList::json() const {
       std::error_code ignored;
       list["traces"].push_back({{"path", name}, {"bytes", fs::file_size(files_.folder() / name, ignored)}});
     }
-    if (fs::path(name).filename() == "steps.json") services.push_back(name);
     if (is_result) continue;
     const bool is_native = is_firmware && ending.empty();
     if (isOneOf(kImages, ending) || is_native) images.push_back(name);
@@ -234,7 +218,9 @@ Json FileList::json() const {
   for (const std::string& name : images)
     list["images"].push_back(
         releases.row(name, name.starts_with(kShipped) ? fs::path(name).filename().string() : name));
-  list["service"] = servicesIn(files_.folder(), services);
+  ServiceLists service = serviceLists(files_, walk.names);
+  list["service"] = std::move(service.folders);
+  list["service_files"] = std::move(service.files);
   const std::vector<std::string> runs = runFolders(files_.folder() / "results");
   for (std::size_t i = 0; i < std::min(runs.size(), kMostRunsListed); ++i)
     list["runs"].push_back(verdictOf(runs[i]));

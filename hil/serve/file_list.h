@@ -26,7 +26,7 @@ class FileList {
   ///
   ///     {"scenarios": [{"path", "name", "title", "problem"?}], "machines": [{"path", "name"}],
   ///      "drawings": [{"path"}], "images": [{"path", "title", "firmware": {"source", "image", …}}],
-  ///      "service": [{"path"}],
+  ///      "service": [{"path"}], "service_files": [{"path", "kind", "id"?, "date"?}],
   ///      "runs": [{"path", "scenario", "verdict", "when", "serial_number"?}], "traces": [{"path", "bytes"}],
   ///      "left_out": n}
   ///

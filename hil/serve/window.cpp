@@ -101,6 +101,7 @@ Window::Window(WindowSetup setup, ServerAddress address, std::function<void(cons
       list_(files_),
       runs_(files_, setup_.bin_dir / "kerfbench"),
       desk_(files_, setup_.bin_dir),
+      arrivals_(files_, desk_),
       neighbours_(setup_.benches),
       http_([this](const Asked& asked) { return answer(asked); }) {
   if (!fs::exists(setup_.pages / "index.html"))
@@ -118,7 +119,7 @@ const std::vector<Window::Route>& Window::routes() {
       {"POST", "/api/edit", &Window::edit},           {"GET", "/api/service", &Window::service},
       {"POST", "/api/plan", &Window::plan},           {"POST", "/api/order", &Window::order},
       {"POST", "/api/new", &Window::create},          {"GET", "/api/station", &Window::station},
-      {"GET", "/api/benches", &Window::benches},
+      {"GET", "/api/benches", &Window::benches},      {"POST", "/api/place", &Window::place},
   };
   return kRoutes;
 }
@@ -248,16 +249,9 @@ Answer Window::session(const Asked&) {
 Answer Window::listFiles(const Asked&) { return jsonAnswer(list_.json()); }
 
 Answer Window::putFile(const Asked& asked) {
+  if (asked.head.query.contains("as")) return arrivals_.take(asked);
   const std::string& name = asked.wanted("path");
-  files_.write(name, [&asked](const std::function<void(std::string_view)>& take) {
-    std::uint64_t bytes = 0;
-    const bool is_whole = asked.read_body([&](std::string_view piece) {
-      take(piece);
-      bytes += piece.size();
-      return true;
-    });
-    if (!is_whole || bytes != asked.head.body_bytes) throw Refusal(400, "The file did not come as a whole.");
-  });
+  files_.write(name, [&asked](const std::function<void(std::string_view)>& take) { readWhole(asked, take); });
   return jsonAnswer({{"path", name}});
 }
 

@@ -10,6 +10,7 @@
 
 #include "hil/serve/access.h"
 #include "hil/serve/answer.h"
+#include "hil/serve/arrivals.h"
 #include "hil/serve/desk_routes.h"
 #include "hil/serve/file_list.h"
 #include "hil/serve/front_door.h"
@@ -78,6 +79,7 @@ class Window final : public Host {
   Answer plan(const Asked& asked) { return desk_.plan(asked); }
   Answer order(const Asked& asked) { return desk_.order(asked); }
   Answer create(const Asked& asked) { return desk_.create(asked); }
+  Answer place(const Asked& asked) { return desk_.place(asked); }
 
   /// An answer that goes on. @throws Refusal 503 if there are kMostStreams already.
   Answer streamed(std::unique_ptr<AnswerBody> body, const std::string& type);
@@ -88,6 +90,7 @@ class Window final : public Host {
   FileList list_;
   Runs runs_;
   DeskRoutes desk_;
+  Arrivals arrivals_;
   Neighbours neighbours_;
   HttpServer http_;
   std::shared_ptr<std::atomic<int>> streams_{std::make_shared<std::atomic<int>>(0)};

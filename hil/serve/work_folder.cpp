@@ -173,9 +173,7 @@ std::string WorkFolder::nameOf(const fs::path& path) const {
   return below(shipped_.firmware, std::string(kShipped) + "firmware/");
 }
 
-void WorkFolder::write(
-    const std::string& name,
-    const std::function<void(const std::function<void(std::string_view)>& take)>& content) const {
+void WorkFolder::refuseUnwritable(const std::string& name) {
   if (name.starts_with(kShipped))
     throw Refusal(403, "What comes with the bench is not written. Save a copy.");
   if (!isWritableName(name))
@@ -188,6 +186,12 @@ void WorkFolder::write(
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   if (std::ranges::find(kWritten, ending) == kWritten.end())
     throw Refusal(415, fmt::format("Files ending in '{}' are not written here.", ending));
+}
+
+void WorkFolder::write(
+    const std::string& name,
+    const std::function<void(const std::function<void(std::string_view)>& take)>& content) const {
+  refuseUnwritable(name);
   const base::UniqueFd folder = folderToWrite(folder_fd_.get(), name);
   base::AtomicFile file(fmt::format("/proc/self/fd/{}/{}", folder.get(), partsOf(name).back()));
   content([&file](std::string_view bytes) { file.write(bytes); });

@@ -44,6 +44,8 @@ class WorkFolder {
   /// Name of a file by its path; empty: it is not one of these.
   [[nodiscard]] std::string nameOf(const std::filesystem::path& path) const;
 
+  /// @throws Refusal 400, 403, 415 for a name that write() does not take.
+  static void refuseUnwritable(const std::string& name);
   /// Writes a file whole or not at all, and the folders that it is in; `content` hands on the bytes piece by
   /// piece and throws where they do not come as a whole. @throws Refusal 400, 403, 415; std::system_error.
   void write(const std::string& name,

@@ -64,6 +64,61 @@ TEST_F(DeskRoutesTest, ADrawingBecomesAJobThatFits) {
   EXPECT_EQ(faulty["issues"][0]["line"], 2);
 }
 
+TEST_F(DeskRoutesTest, ADrawingIsLaidAnewInAnotherUnit) {
+  bench_.write(
+      "work/a.svg",
+      "<svg xmlns='http://www.w3.org/2000/svg' width='240' height='170'><rect x='9' y='9' width='220' "
+      "height='150' fill='none' stroke='black'/></svg>");
+  const Json made = good("/api/new", {{"drawing", "a.svg"}});
+  const Json placed =
+      good("/api/place", {{"scenario_text", made["text"]}, {"path", made["path"]}, {"unit", "px"}});
+  const Json plan = good("/api/plan", {{"scenario_text", placed["text"]}, {"path", made["path"]}});
+  EXPECT_EQ(plan["fits"], true) << plan["issues"];
+  EXPECT_EQ(post("/api/place", {{"scenario_text", made["text"]}, {"path", made["path"]}, {"unit", 3}}).status,
+            400);
+  EXPECT_EQ(post("/api/place", {{"scenario_text", "name: a"}, {"path", "a.yaml"}}).status, 400);
+}
+
+TEST_F(DeskRoutesTest, ADrawingOfFillsAloneIsRefusedAndNotWritten) {
+  const std::string fills =
+      "<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='40mm' viewBox='0 0 60 40'>\n"
+      "<rect width='20' height='20' fill='red'/></svg>";
+  const Reply refused = client_.put("/api/files?path=fills.svg&as=new", fills);
+  EXPECT_EQ(refused.status, 400);
+  const std::string words = Json::parse(refused.body)["error"];
+  EXPECT_THAT(words, testing::StartsWith("fills.svg: it holds no line that could be cut"));
+  EXPECT_THAT(words, testing::HasSubstr("fills.svg:2: rect without a stroke: 1 left out"));
+  EXPECT_THAT(words, testing::Not(testing::HasSubstr("/tmp")));
+  EXPECT_FALSE(std::filesystem::exists(bench_.path("work/fills.svg")));
+  EXPECT_EQ(client_.put("/api/files?path=none.dxf&as=new", "no drawing").status, 400);
+  EXPECT_FALSE(std::filesystem::exists(bench_.path("work/none.dxf")));
+}
+
+TEST_F(DeskRoutesTest, AFileIsNeitherWrittenTwiceNorReplacedInSilence) {
+  const std::string drawing = base::contentOf(base::fixture("dielines/label-60x40.dxf"));
+  const std::string other = base::contentOf(base::fixture("dielines/button.dxf"));
+  const auto bring = [&](const std::string& query, const std::string& bytes) {
+    const Reply reply = client_.put("/api/files?path=mine/a.dxf&as=" + query, bytes);
+    return std::pair(reply.status, reply.status == 200 ? Json::parse(reply.body)["was_there"] : Json());
+  };
+  EXPECT_EQ(bring("new", drawing), std::pair(200, Json(false)));
+  const auto file = bench_.path("work/mine/a.dxf");
+  const auto written = std::filesystem::last_write_time(file);
+  EXPECT_EQ(bring("new", drawing), std::pair(200, Json(true)));
+  EXPECT_EQ(bring("replace", drawing), std::pair(200, Json(true)));
+  EXPECT_EQ(std::filesystem::last_write_time(file), written) << "the same bytes are not written again";
+  EXPECT_EQ(bring("new", other), std::pair(409, Json()));
+  EXPECT_EQ(base::contentOf(file), drawing);
+  EXPECT_EQ(bring("replace", other), std::pair(200, Json(false)));
+  EXPECT_EQ(base::contentOf(file), other);
+  EXPECT_EQ(bring("replace", "no drawing"), std::pair(400, Json()));
+  EXPECT_EQ(base::contentOf(file), other);
+  EXPECT_EQ(bring("somehow", drawing).first, 400);
+  EXPECT_EQ(client_.put("/api/files?path=results/a.dxf&as=new", drawing).status, 400);
+  EXPECT_EQ(client_.put("/api/files?path=shipped/a.dxf&as=replace", drawing).status, 403);
+  EXPECT_EQ(client_.put("/api/files?path=a.exe&as=new", drawing).status, 415);
+}
+
 TEST_F(DeskRoutesTest, AShippedScenarioIsCopiedWithItsFiles) {
   const char* from = "shipped/scenarios/native/label-on-belt.yaml";
   const Json first = good("/api/new", {{"from", from}, {"name", "own"}});

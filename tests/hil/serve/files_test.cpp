@@ -62,6 +62,35 @@ TEST_F(FilesTest, CalibrationsByHandAreListedAndTold) {
   EXPECT_EQ(client_.get("/api/service?path=..%2Fwork%2Fhead").status, 400);
 }
 
+TEST_F(FilesTest, WhatACalibrationIsMadeOfIsListedByItsKind) {
+  for (const char* folder : {"head/1-grid/pictures", "results/head/1-grid/pictures",
+                             "results/label/20261128T160512Z-1a2b3c4d", "results/label/spot"})
+    std::filesystem::create_directories(bench_.work() / folder);
+  bench_.write("work/head/1-grid/pictures/tiles.yaml", "version: 1\ntiles: []\n");
+  bench_.write("work/head/1-grid/pictures/scan.yaml", "version: 1\nlid: black\n");
+  bench_.write("work/head/1-grid/pictures/scan.png", "");
+  bench_.write("work/head/1-grid/pictures/tile-0001.jpg", "");
+  bench_.write("work/results/head/1-grid/pictures/tile-0000.png", "");
+  bench_.write("work/results/head/correction.csv", "");
+  bench_.write("work/glass.yaml", "scanner_id: glass-1\ndate: 2026-11-21\n");
+  bench_.write("work/kerf.camera.yaml", "camera_id: kerf-1\ndate: 2026-11-20\n");
+  bench_.write("work/target.yaml", "square_mm: 5.4\n");
+  bench_.write("work/broken.yaml", "scanner_id: [\n");
+  bench_.write("work/results/label/20261128T160512Z-1a2b3c4d/board.png", "");
+  const Json files = list()["service_files"];
+  const auto row = [](const char* path, const char* kind) { return Json{{"path", path}, {"kind", kind}}; };
+  Json scanner = row("glass.yaml", "scanner"), camera = row("kerf.camera.yaml", "camera");
+  scanner.update({{"id", "glass-1"}, {"date", "2026-11-21"}});
+  camera.update({{"id", "kerf-1"}, {"date", "2026-11-20"}});
+  EXPECT_THAT(
+      files, testing::ElementsAre(scanner, row("head/1-grid/pictures/scan.png", "scan"),
+                                  row("head/1-grid/pictures/scan.yaml", "scan-list"),
+                                  row("head/1-grid/pictures/tile-0001.jpg", "photograph"),
+                                  row("head/1-grid/pictures/tiles.yaml", "tiles"), camera,
+                                  row("results/head/1-grid/pictures/tile-0000.png", "photograph"),
+                                  row("results/head/correction.csv", "table"), row("target.yaml", "target")));
+}
+
 TEST_F(FilesTest, RunsAreListedTheNewestFirst) {
   for (const char* run : {"label/20261128T160512Z-1a2b3c4d", "other/20261129T160512Z-1a2b3c4d"})
     std::filesystem::create_directories(bench_.path("work/results") / run);

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/serve/arrivals.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "hil/base/temporary.h"
+#include "hil/serve/refusal.h"
+
+namespace kerfbench::serve {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool haveTheSameBytes(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  if (fs::file_size(a, error) != fs::file_size(b, error) || error) return false;
+  std::ifstream one(a, std::ios::binary), other(b, std::ios::binary);
+  using Bytes = std::istreambuf_iterator<char>;
+  return one && other && std::equal(Bytes(one), Bytes(), Bytes(other));
+}
+
+void copyInto(const fs::path& file, const std::function<void(std::string_view)>& take) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string piece(std::size_t{1} << 16U, '\0');
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
+    take(std::string_view(piece).substr(0, static_cast<std::size_t>(stream.gcount())));
+}
+
+}  // namespace
+
+void readWhole(const Asked& asked, const std::function<void(std::string_view)>& take) {
+  std::uint64_t bytes = 0;
+  const bool is_whole = asked.read_body([&](std::string_view piece) {
+    take(piece);
+    bytes += piece.size();
+    return true;
+  });
+  if (!is_whole || bytes != asked.head.body_bytes) throw Refusal(400, "The file did not come as a whole.");
+}
+
+Answer Arrivals::take(const Asked& asked) const {
+  const std::string& name = asked.wanted("path");
+  const std::string& as = asked.wanted("as");
+  if (as != "new" && as != "replace") throw Refusal(400, "'as' is neither 'new' nor 'replace'.");
+  files_.refuseUnwritable(name);
+  const fs::path place = files_.placeOf(name);
+  const base::TemporaryFolder waiting(fs::temp_directory_path(), "kerfbench-arrival");
+  const fs::path file = waiting.path() / place.filename();
+  {
+    std::ofstream stream(file, std::ios::binary);
+    readWhole(asked, [&stream](std::string_view piece) {
+      stream.write(piece.data(), static_cast<std::streamsize>(piece.size()));
+    });
+    stream.close();
+    if (!stream) throw std::system_error(errno, std::generic_category(), file.string());
+  }
+  desk_.refuseUncuttable(file, name);
+  std::error_code error;
+  const bool is_there = fs::exists(place, error);
+  const bool is_same = is_there && haveTheSameBytes(file, place);
+  if (is_there && !is_same && as != "replace")
+    throw Refusal(409, fmt::format("'{}' is in the folder already, and is another file.", name));
+  if (!is_same)
+    files_.write(name, [&](const std::function<void(std::string_view)>& write) { copyInto(file, write); });
+  return jsonAnswer({{"path", name}, {"was_there", is_same}});
+}
+
+}  // namespace kerfbench::serve
