@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/checks/interval_words.h"
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "hil/inspect/evidence/whereabouts.h"
@@ -102,6 +103,7 @@ Finding beltCheck(const Evidence& evidence, const Tolerances& limits, const LitF
       "Of {} cuts the pictures and the encoder part most in the one at {:.3f} s: the sheet moves {:+.4f} mm "
       "more than the encoder's {:.2f} mm; over all cuts {:+.4f} % of the way.",
       partings.size(), worst->first->time_s, worst->drift_mm, worst->travel_mm, 100.0 * apart_mm / travel_mm);
+  check.explanation += intervalWords(check);
   return check;
 }
 

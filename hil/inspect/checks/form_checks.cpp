@@ -10,6 +10,7 @@
 
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/checks/interval_words.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "hil/inspect/evidence/whereabouts.h"
 #include "hil/vision/kerf/kerf_profile.h"
@@ -191,6 +192,7 @@ Check kerfWidthCheck(const Evidence& evidence, const Tolerances& limits,
       "{} is {:.3f} mm wide, {:.3f} mm {} than is usual for its process ({}, {:.3f} mm).", check.subject,
       worst->width_mm, std::abs(worst_change_mm), worst_change_mm < 0.0 ? "narrower" : "wider",
       dieline::processName(process), usual[process]);
+  check.explanation += intervalWords(check);
   return check;
 }
 

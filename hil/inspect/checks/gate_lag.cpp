@@ -14,6 +14,7 @@
 
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/checks/interval_words.h"
 #include "hil/inspect/checks/set_off.h"
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/checks/start_place.h"
@@ -336,6 +337,7 @@ Finding gateLagCheck(const Evidence& evidence, const Tolerances& limits, const L
       "{:.2f} ms.",
       starts.size(), std::abs(median_ms), median_ms >= 0 ? "after" : "before", check.subject, worst.on_s,
       1e3 * worst.lag_s);
+  check.explanation += intervalWords(check);
   return check;
 }
 

@@ -11,6 +11,7 @@
 
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/checks/interval_words.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "hil/inspect/evidence/whereabouts.h"
@@ -148,6 +149,7 @@ Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const Li
                    "In {} frames away from corners the spot was at most {:.4f} mm from the dieline on the "
                    "moving sheet, at {:.3f} s, {}; the limit allows for the noise of a single frame.",
                    count, std::abs(worst_mm), worst->time_s, placeOf(worst->p_S_mm));
+  if (!beyond) check.explanation += intervalWords(check);
   if (faint > 0) check.explanation += fmt::format(" In {} more it was too faint to be placed.", faint);
   if (off > 0) check.explanation += fmt::format(" {} frames show it away from every line.", off);
   return check;
