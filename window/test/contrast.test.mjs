@@ -48,9 +48,15 @@ const text = [
   ['crease', 'bg'],
   ['fg', 'field'],
   ['mute', 'field'],
+  ['acc', 'stage'],
 ];
 const shapes = [
   ...grounds.map((g) => ['edge', g]),
+  // Frames around the drawing, and the borders of what asks for an answer.
+  ['edge', 'field'],
+  ['mute', 'field'],
+  ['fg', 'field'],
+  ['np', 'card'],
   ...['cut', 'crease', 'half-cut', 'perforation', 'ignore', 'jump', 'acc', 'fail'].flatMap((c) => [
     [c, 'stage'],
     [c, 'field'],

@@ -208,7 +208,7 @@ step('G-code that is none is refused at its line, and nothing can be started', a
   await page.click('#gcode .cm-line:nth-child(3)');
   await page.key('End');
   for (const key of ' Q7') await page.key(key);
-  await page.untilText('#panel-gcode .fault', /^Line 3: /);
+  await page.untilText('#panel-gcode .fault', /^G-code, line 3: /);
   await page.until("() => document.querySelector('#gcode .of-fault')?.textContent.includes('Q7')");
   await page.until("() => document.querySelector('#start').disabled");
   await shot('08-gcode-fault');

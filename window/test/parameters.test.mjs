@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { releaseKeys } from '../src/job/choices.js';
 import * as R from '../src/job/reference.js';
-import { freeName, tameName } from '../src/job/actions.js';
+import { freeName, tameName } from '../src/job/arrivals.js';
 import { faultOfName } from '../src/job/save_as.js';
 
 const key = (path, more = {}) => ({

@@ -64,6 +64,10 @@ test('figures with unit and limit', () => {
   );
   assert.equal(R.figureWords({ value: 4.5, unit: 'µs', limit: 0, limit_is: 'lower' }), '4.5 µs, limit at least 0 µs');
   assert.equal(R.figureWords({ value: null }), '');
+  assert.equal(
+    R.figureWords({ value: 0.7812, unit: 'ms', limit: 0.5, limit_is: 'upper', expanded_uncertainty: 0.7309 }),
+    '0.781 ± 0.731 ms, limit 0.5 ms',
+  );
 });
 
 test('a refused input is told as such', () => {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { bySheet, kindOf, progressOf, sheetWords } from '../src/service/steps.js';
+import { bySheet, calibrationWords, holdsWords, kindOf, ownCalibrations, progressOf, sheetWords } from '../src/service/steps.js';
 
 const step = (id, sheet, state) => ({ id, sheet, state, title: id, text: [], files: [], found: [], wrong: [] });
 const steps = {
@@ -37,5 +37,23 @@ test('a verdict has the colour of what it says', () => {
     'fail',
     'unproven',
     'none',
+  ]);
+});
+
+test('a calibration says what it is made of, and the folder which cameras and scanners it knows', () => {
+  const files = [
+    { path: 'head/1-grid/pictures/scan.png', kind: 'scan' },
+    { path: 'head/1-grid/pictures/tiles.yaml', kind: 'tiles' },
+    { path: 'head/2-grid/pictures/scan.jpg', kind: 'scan' },
+    { path: 'header/scan.png', kind: 'scan' },
+    { path: 'glass.yaml', kind: 'scanner', id: 'glass-1', date: '2026-11-21' },
+    { path: 'shipped/machines/a.camera.yaml', kind: 'camera', id: 'a' },
+    { path: 'target.yaml', kind: 'target' },
+  ];
+  assert.equal(holdsWords(files, 'head'), '2 scans, 1 list of pictures (tiles.yaml)');
+  assert.equal(holdsWords(files, 'none'), '');
+  assert.deepEqual(ownCalibrations(files).map(calibrationWords), [
+    'glass.yaml: scanner glass-1 of 2026-11-21',
+    'target.yaml: target',
   ]);
 });

@@ -2,12 +2,15 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { commandOf, quoted } from '../src/job/command.js';
-import { entitiesChosen, entityOfLine, lineChosen, linesOfEntities } from '../src/job/links.js';
+import { checkChosen, entitiesChosen, entityOfLine, lineChosen, linesOfEntities } from '../src/job/links.js';
 import { periodOfLine } from '../src/job/motion.js';
 import { idWords, moved, nudged } from '../src/job/order.js';
 import { nameInScenario, pathOfName } from '../src/job/paths.js';
+import * as R from '../src/job/run.js';
 import { headOf, itemsOf } from '../src/job/stage/findings.js';
+import { frameWords, framesOf, misplaced, tooLarge, wholeOf } from '../src/job/stage/frames.js';
 import * as S from '../src/job/state.js';
+import { jobHash, jobHref, jobOfHash, resultsOfTrace } from '../src/shared/job_address.js';
 import { createStore, watch } from '../src/shared/store.js';
 
 const open = (path = 'a.yaml', text = 'name: a\n') => S.opened(S.initialState(), path, text);
@@ -228,6 +231,7 @@ test('findings of drawing and plan are one list, accepted ones left out', () => 
     fits: true,
     values: {},
     drawing: {
+      file: 'mine/a.svg',
       entities: [],
       findings: [finding, { ...finding, accepted: true }, { ...finding, severity: 'warning', entities: [] }],
     },
@@ -240,8 +244,8 @@ test('findings of drawing and plan are one list, accepted ones left out', () => 
   assert.deepEqual(
     items.map((i) => [i.number, i.place]),
     [
-      [1, 'line 9 of the drawing'],
-      [2, 'line 9 of the drawing'],
+      [1, 'a.svg, line 9'],
+      [2, 'a.svg, line 9'],
       [3, 'G-code, line 4'],
     ],
   );
@@ -280,4 +284,110 @@ test('a line that is looked at is looked at in the next plan, too', () => {
     },
   };
   assert.equal(S.answered(s, 'plan', later).period, 9);
+});
+
+test('a line is told once, and always of which file', () => {
+  const at = (message) => S.withoutLine({ line: 16, message });
+  assert.equal(at('G-code line 16: Q is no word'), 'Q is no word');
+  assert.equal(at('E3, G-code line 16 spans y 1 … 2 mm'), 'E3 spans y 1 … 2 mm');
+  assert.equal(at('from G-code line 16: x_W'), 'from G-code line 16: x_W');
+  assert.equal(S.withoutLine({ message: 'G-code line 16: x' }), 'G-code line 16: x');
+  const entity = { id: 4, layer: 'CUT', process: 'cut', length_mm: 1, line: 7, points_mm: [], closed: false };
+  const drawing = { file: 'mine/a.svg', entities: [entity], findings: [], unsaid_unit: null };
+  const warning = { file: 'mine/a.svg', line: 7, severity: 'warning', message: 'text: 1 ignored' };
+  let s = S.answered(open(), 'check', { issues: [warning], fits: true, values: {}, drawing });
+  s = S.answered(s, 'plan', {
+    gcode: '',
+    issues: [
+      { line: 16, message: 'G-code line 16: its cut leaves the drawing', severity: 'warning', source: 'gcode', where_mm: [1, 2] },
+      { line: 0, message: 'from E4: x_W 1 … 2 mm, the field -1 … 1 mm', severity: 'error', source: 'job' },
+      { line: 0, message: 'E99: no such', severity: 'error', source: 'job' },
+    ],
+  });
+  const items = itemsOf(s);
+  assert.deepEqual(
+    items.map((i) => [i.place, i.message.slice(0, 12), i.where, i.entities]),
+    [
+      ['a.svg, line 7', 'text: 1 igno', null, [4]],
+      ['G-code, line 16', 'its cut leav', [1, 2], []],
+      ['job', 'from E4: x_W', null, [4]],
+      ['job', 'E99: no such', null, []],
+    ],
+  );
+});
+
+test('a verdict is of an earlier job from the first change on, and no more when that is taken back', () => {
+  const ended = (of, s) => ({ ...s, run: R.runTold(R.runBegun({ id: 1 }, 'a.yaml', of), { state: 'ended', verdict: 'PASS' }) });
+  let s = good(open());
+  s = ended(S.runInputOf(s), s);
+  assert.ok(!S.isOfEarlierJob(s));
+  assert.ok(!S.isOfEarlierJob({ ...S.edited(s, 'b'), run: { ...s.run, state: 'running' } }), 'it is not there yet');
+  s = S.edited(s, 'b');
+  assert.ok(S.isOfEarlierJob(s));
+  s = S.undone(s);
+  assert.ok(!S.isOfEarlierJob(s));
+  assert.ok(S.isOfEarlierJob(S.gcodeEdited(s, 'G01 X1\n')));
+  assert.ok(S.isOfEarlierJob(S.drawingExchanged(s, true)), 'the file of the drawing is another one');
+  assert.ok(!S.isOfEarlierJob(S.drawingExchanged(s, false)), 'these very bytes');
+  assert.ok(S.isOfEarlierJob(S.saved(s, 'b.yaml', s.job.text)), 'under another name it is another job');
+  // By hand: what the run had, against what is in the editor.
+  let hand = S.saved(S.gcodeEdited(good(open()), 'G00\n'), 'a.yaml', 'name: a\n');
+  hand = ended({ text: hand.job.text, gcode: 'G00\n', outdated: false }, hand);
+  assert.ok(!S.isOfEarlierJob(hand));
+  assert.ok(S.isOfEarlierJob(S.gcodeEdited(hand, 'G01 X2\n')));
+  assert.ok(!S.isOfEarlierJob({ ...s, run: { ...s.run, of: null } }), 'nobody knows');
+});
+
+test('a check leads to its entity, its lines and its place', () => {
+  assert.equal(R.placeOf({ where: { entity: -1, x_mm: null } }), null);
+  assert.equal(R.placeOf({}), null);
+  const where = R.placeOf({ where: { unit: 0, entity: 2, x_mm: 3, y_mm: 4 } });
+  assert.deepEqual(where, { entity: 2, at: [3, 4] });
+  let s = good(open());
+  s = { ...s, plan: { ...s.plan, value: { ...s.plan.value, entity_lines: [{ entity: 2, line_first: 5, line_last: 6 }] } } };
+  s = checkChosen(S.looking({ show: 'machine' })(s), where);
+  assert.deepEqual([s.selected, s.line, s.stage.place, s.stage.show], [[2], 5, [3, 4], 'drawing']);
+  assert.equal(entitiesChosen(s, [1]).stage.place, null, 'another choice forgets the place');
+});
+
+test('the address of a job leads back to it and its verdict', () => {
+  const hash = jobHash({ scenario: 'my jobs/a&b.yaml', results: 'results/a/2026-1' });
+  assert.deepEqual(jobOfHash(hash), { scenario: 'my jobs/a&b.yaml', results: 'results/a/2026-1' });
+  assert.equal(jobHash({ results: 'results/a' }), '');
+  assert.equal(resultsOfTrace('results/a/2026-1/run.mcap'), 'results/a/2026-1');
+  assert.equal(resultsOfTrace('elsewhere/run.mcap'), '');
+  const kept = { getItem: () => '#scenario=kept.yaml' };
+  assert.equal(jobHref('', kept), '/#scenario=kept.yaml');
+  assert.equal(jobHref('', null), '/');
+  assert.equal(
+    jobHref('?trace=results%2Fa%2F1%2Frun.mcap&job=a.yaml', kept),
+    `/${jobHash({ scenario: 'a.yaml', results: 'results/a/1' })}`,
+  );
+});
+
+test('frames: where the field lies on the sheet, and what a click can mend', () => {
+  const rect = (w, h) => [
+    { id: 0, process: 'cut', closed: true, points_mm: [[0, 0], [w, 0], [w, h], [0, h], [0, 0]] },
+  ];
+  const check = (w, h, start_mm, marks = [[5, -7]]) => ({
+    drawing: { entities: rect(w, h) },
+    machine: { name: 'm', field: { min_mm: [-50, -40], max_mm: [50, 40] } },
+    sheet: { moves: false, start_x_mm: start_mm, marks: marks.map(([x, y]) => ({ x_mm: x, y_mm: y, diameter_mm: 3 })) },
+  });
+  const frames = framesOf(check(60, 30, -30), null, 0);
+  assert.deepEqual(frames.field, { x0: -20, x1: 80, y0: -40, y1: 40 });
+  assert.deepEqual(frames.rest, [30, 0]);
+  assert.equal(frames.sheet.y0, -12.5, 'it holds the marks');
+  assert.match(frameWords(frames, 'm'), /x_W is x − 30 mm/);
+  assert.equal(misplaced(check(60, 30, -30), { fits: true }), '');
+  assert.match(misplaced(check(60, 30, 30), null), /outside of the field/);
+  assert.match(misplaced(check(10, 8, -5, [[80, 0]]), null), /another size/);
+  assert.match(misplaced(check(60, 30, -30, [[60, 10]]), null), /on a line/);
+  assert.equal(misplaced({ ...check(60, 30, 30), sheet: { ...check(60, 30, 30).sheet, moves: true } }, null), '', 'a belt brings it');
+  assert.equal(misplaced(check(300, 30, 0), null), '', 'no place is right for it');
+  assert.match(tooLarge(check(300, 30, 0)), /300\.0 × 30\.0 mm.*m 100\.0 × 80\.0 mm.*larger field/);
+  assert.equal(tooLarge(check(60, 30, 0)), '');
+  assert.equal(misplaced(null, null) + tooLarge(undefined), '');
+  assert.deepEqual(wholeOf(frames), { x0: -20, x1: 80, y0: -40, y1: 40 });
+  assert.deepEqual(wholeOf(framesOf(check(6, 3, -3), null, 0)), framesOf(check(6, 3, -3), null, 0).sheet);
 });

@@ -2,14 +2,13 @@
 // What the job page does: it asks the server, and puts the answers into the state. A refusal becomes a sentence in the state, at the
 // place to which it belongs.
 // @ts-check
-import { ApiError, followRun, getBytes, getJson, putFile, sendJson } from '../shared/api.js';
+import { ApiError, followRun, getBytes, getJson, sendJson } from '../shared/api.js';
 import { watch } from '../shared/store.js';
+import { takerOf } from './arrivals.js';
 import * as S from './state.js';
-import { runBegun, runProgressed, runSaid, runTold } from './run.js';
+import { runBegun, runFound, runProgressed, runSaid, runTold } from './run.js';
 
 const kSettle_ms = 250;
-const kDrawings = ['dxf', 'svg', 'cf2', 'pdf', 'ai'];
-const kJobs = ['gcode', 'nc', 'ngc', 'tap'];
 
 /** @param {unknown} error @returns {S.Fault} */
 const faultOf = (error) => ({
@@ -18,27 +17,6 @@ const faultOf = (error) => ({
 });
 const isAbort = (/** @type {unknown} */ error) => error instanceof DOMException && error.name === 'AbortError';
 const query = (/** @type {string} */ path) => `?path=${encodeURIComponent(path)}`;
-/** @param {string} path */
-export const endingOf = (path) => path.slice(path.lastIndexOf('.') + 1).toLowerCase();
-/** A name that the server takes: letters, digits, space, point, underscore, hyphen. @param {string} name */
-export function tameName(name) {
-  const tame = name
-    .normalize('NFKD')
-    .replace(/[\u0300-\u036f]/g, '')
-    .replace(/[^A-Za-z0-9 ._-]+/g, '-')
-    .replace(/^[. -]+/, '');
-  return tame === '' ? 'drawing' : tame;
-}
-
-/** A name in the folder that nothing has yet: `label.yaml`, `label-2.yaml`. @param {string} path @param {Set<string>} taken */
-export function freeName(path, taken) {
-  const at = path.lastIndexOf('.');
-  for (let k = 1; ; ++k) {
-    const name = k === 1 ? path : `${path.slice(0, at)}-${k}${path.slice(at)}`;
-    if (!taken.has(name)) return name;
-  }
-}
-
 /** @typedef {ReturnType<typeof createActions>} Actions */
 
 /** @param {ReturnType<typeof import('../shared/store.js').createStore<S.State>>} store */
@@ -77,7 +55,7 @@ export function createActions(store) {
   let settling;
   watch(
     store,
-    (state) => [state.job?.path, state.job?.text, state.job?.gcode],
+    (state) => [state.job?.path, state.job?.text, state.job?.gcode, state.exchanged],
     (state) => {
       clearTimeout(settling);
       if (!state.job) return;
@@ -147,6 +125,22 @@ export function createActions(store) {
         });
       } catch (error) {
         update((state) => ({ ...state, editFault: { ...state.editFault, [key]: faultOf(error).message } }));
+      }
+    });
+  }
+
+  /**
+   * Lays marks and start anew for the size that the drawing has; with a unit the drawing is read in it from then on. One edit, so that
+   * one undo takes it back. @param {string} [unit] @returns {Promise<void>}
+   */
+  function place(unit) {
+    return inTurn(async (before) => {
+      try {
+        const body = { scenario_text: before.text, path: before.path };
+        const { text } = await sendJson('/api/place', unit ? { ...body, unit } : body);
+        update((state) => S.edited(state, text));
+      } catch (error) {
+        complain(error);
       }
     });
   }
@@ -228,43 +222,7 @@ export function createActions(store) {
     }
   }
 
-  /** Files that were dropped or chosen: a drawing becomes a scenario, G-code the job's own, an image the release. @param {File[]} files */
-  async function take(files) {
-    for (const file of files) {
-      const ending = endingOf(file.name);
-      if (kJobs.includes(ending) && job()) {
-        const text = await file.text();
-        update((state) => S.gcodeEdited(state, text));
-      } else if (kDrawings.includes(ending) || ['yaml', 'yml', 'hex', 'elf', 'bin', 'ihx'].includes(ending)) {
-        await upload(file, ending);
-      } else {
-        update(
-          S.failed(
-            `“${file.name}” is neither a drawing (.dxf, .svg, .cf2, .pdf), a scenario (.yaml), G-code (.gcode) nor a release (.hex, .elf, .bin).`,
-          ),
-        );
-      }
-    }
-  }
-
-  /** @param {File} file @param {string} ending */
-  async function upload(file, ending) {
-    update(S.having({ busy: `Loading ${file.name}` }));
-    try {
-      const { files } = store.get();
-      const taken = new Set([...files.drawings, ...files.scenarios, ...files.images].map((f) => f.path));
-      const { path } = await putFile(freeName(tameName(file.name), taken), file);
-      await loadFiles();
-      if (kDrawings.includes(ending)) await create(path);
-      else if (ending === 'yaml' || ending === 'yml') await open(path);
-      else {
-        update(S.having({ busy: '' }));
-        if (job()) await setKeys([{ path: 'firmware.image', value: path }]);
-      }
-    } catch (error) {
-      complain(error);
-    }
-  }
+  const take = takerOf(store, { loadFiles, open, create, setKeys, complain });
 
   /** @type {(() => void) | null} */
   let unfollow = null;
@@ -297,12 +255,14 @@ export function createActions(store) {
     update(S.having({ run: runBegun({ id: '', state: 'starting' }, before.path), notice: null, playing: false }));
     try {
       await settled();
+      const { gcode = null } = S.runInputOf(store.get()) ?? {};
       const reason = S.whyNotStart({ ...store.get(), run: null });
       if (reason !== '') throw new Error(reason);
       if (S.isChanged(job()) && !(await save())) return update(S.having({ run: null }));
       const scenario = job()?.path ?? before.path;
       const answer = await sendJson('/api/runs', { scenario, trace: true });
-      update(S.having({ run: runBegun(answer, scenario) }));
+      const of = { text: job()?.text ?? before.text, gcode, outdated: false };
+      update(S.having({ run: runBegun(answer, scenario, of) }));
       follow(String(answer.id));
     } catch (error) {
       update(S.having({ run: null }));
@@ -322,8 +282,40 @@ export function createActions(store) {
     }
   }
 
-  /** Session, files and reference; then the run that goes on, and the scenario that the address names. @param {string} wanted */
-  async function begin(wanted) {
+  /**
+   * The verdict of a run that has ended, from its results. @param {string} results folder @returns {Promise<void>}
+   */
+  async function showResult(results) {
+    try {
+      const text = (/** @type {string} */ name) =>
+        getBytes(resultPath(results, name))
+          .then((answer) => answer.text())
+          .catch(() => null);
+      const judged = await getJson(resultPath(results, 'verdict.json'));
+      const [scenario, gcode] = await Promise.all([text('scenario.yaml'), text('job.gcode')]);
+      const trace = `${results}/run.mcap`;
+      const { files } = store.get();
+      const found = {
+        results,
+        scenario: job()?.path ?? '',
+        judged,
+        trace: (files.traces ?? []).some((/** @type {any} */ t) => t.path === trace) ? trace : '',
+        of:
+          scenario === null
+            ? null
+            : { text: scenario, gcode: /\bgcode:\s*\S/.test(scenario) ? gcode : null, outdated: false },
+      };
+      update(S.having({ run: runFound(found) }));
+    } catch (error) {
+      complain(error);
+    }
+  }
+
+  /**
+   * Session, files and reference; then the run that goes on, and the scenario and the results that the address names.
+   * @param {{ scenario: string, results: string }} wanted
+   */
+  async function begin({ scenario: wanted, results }) {
     try {
       const [session, reference] = await Promise.all([
         getJson('/api/session'),
@@ -338,13 +330,13 @@ export function createActions(store) {
       if (going) {
         update(S.having({ run: runTold(runBegun(going, going.scenario), going) }));
         follow(String(going.id));
-      }
+      } else if (results && job()) await showResult(results);
     } catch (error) {
       complain(error);
     }
   }
 
-  return { begin, open, setKeys, setOrder, save, copy, create, take, start, stop, loadFiles };
+  return { begin, open, place, setKeys, setOrder, save, copy, create, take, start, stop, loadFiles, showResult };
 }
 
 /** @param {string} folder of a run's results @param {string} file */

@@ -22,8 +22,7 @@ export function swatch(process) {
   return svg('svg', { class: 'swatch', viewBox: '0 0 18 12', 'aria-hidden': 'true' }, line);
 }
 
-/** @param {string} path */
-const baseName = (path) => path.slice(path.lastIndexOf('/') + 1);
+const { baseName } = S;
 
 /**
  * A select by groups: one's own files, then the shipped ones. A value that no list has is shown as it is.
@@ -77,11 +76,12 @@ function pick(box, id, label, chosen) {
   const row = h('div', { class: 'pick' }, h('label', { for: id }, label), select, fault);
   select.setAttribute('aria-describedby', fault.id);
   box.append(row);
-  /** @param {string} words */
-  const wrong = (words) => {
+  /** @param {string} words @param {boolean} [isWarning] */
+  const wrong = (words, isWarning = false) => {
     say(fault, words);
     fault.hidden = words === '';
-    mark(select, 'aria-invalid', words !== '' ? 'true' : null);
+    fault.classList.toggle('warning', isWarning);
+    mark(select, 'aria-invalid', words !== '' && !isWarning ? 'true' : null);
   };
   return { select, row, wrong };
 }
@@ -99,8 +99,9 @@ function pickScenario(box, store, actions) {
     (s) => [s.files, s.job?.path, s.check, s.reference],
     (s) => {
       fillSelect(select, optionsOf(s.files.scenarios), s.job?.path ?? '', s.job ? '' : 'Choose one…');
+      const own = S.baseName(s.job?.path ?? '');
       const placeOf = (/** @type {any} */ i) =>
-        i.file ? `${i.file}${i.line ? `:${i.line}` : ''}: ` : i.line ? `Line ${i.line}: ` : '';
+        i.file || i.line ? `${i.file || own}${i.line ? `, line ${i.line}` : ''}: ` : '';
       wrong(
         s.check.state === 'failed'
           ? (s.check.fault?.message ?? '')
@@ -178,7 +179,53 @@ function pickDrawing(box, store, actions) {
       );
       wrong(
         faultsAbout(s, (key) => key === 'dieline' || key === 'dieline.file') ||
-          ofDrawing.map((/** @type {any} */ i) => `${i.file}${i.line ? `:${i.line}` : ''}: ${i.message}`).join(' '),
+          ofDrawing.map((/** @type {any} */ i) => `${i.file}${i.line ? `, line ${i.line}` : ''}: ${i.message}`).join(' '),
+      );
+    },
+  );
+  askUnit(box, store, actions);
+}
+
+/** Units that a drawing may be in, as people call them. @type {[string, string][]} */
+const kUnits = [
+  ['mm', 'mm'],
+  ['px', 'px, 96 dpi'],
+  ['pt', 'pt, 72 dpi'],
+  ['in', 'inch'],
+  ['cm', 'cm'],
+];
+
+/** Asks how long one unit is, where the drawing does not say it. @param {Element} box @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
+function askUnit(box, store, actions) {
+  const size = h('p', { class: 'size', id: 'unit-size' });
+  const radios = kUnits.map(([unit]) =>
+    h('input', { type: 'radio', name: 'unit', value: unit, id: `unit-${unit}`, on: { change: () => void actions.place(unit) } }),
+  );
+  const question = h(
+    'fieldset',
+    { class: 'unit-question', id: 'unit-question', 'aria-describedby': 'unit-size', hidden: true },
+    h('legend', {}, '1 unit of the drawing is'),
+    h('div', { class: 'units' }, radios.map((radio, i) => h('label', {}, radio, kUnits[i][1]))),
+    size,
+  );
+  box.append(question);
+  watch(
+    store,
+    (s) => [s.check.value, s.job === null, s.job?.readOnly],
+    (s) => {
+      const unsaid = s.check.value?.drawing?.unsaid_unit;
+      // A scenario that does not say it either is refused, and the answer mends it.
+      const isRefused =
+        !s.check.value?.drawing &&
+        (s.check.value?.issues ?? []).some((/** @type {any} */ i) => /gives its size in px only/.test(i.message));
+      question.hidden = !s.job || !(unsaid || isRefused);
+      for (const radio of radios) radio.checked = radio.value === unsaid?.name;
+      const [w, ht] = s.check.value?.drawing?.size_mm ?? [];
+      say(
+        size,
+        unsaid
+          ? `The file does not say it. So the drawing is ${w.toFixed(1)} × ${ht.toFixed(1)} mm.`
+          : 'The file does not say it, nor does the scenario.',
       );
     },
   );
@@ -204,7 +251,9 @@ function pickMachine(box, store, actions) {
         shipped: S.isShipped(f.path),
       }));
       fillSelect(select, options, paths.includes(name) ? name : pathOfName(s.session, s.job.path, String(name), paths));
-      wrong(faultsAbout(s, (key) => key === 'machine'));
+      const of = (/** @type {string} */ key) => key === 'machine';
+      const isFault = 'machine' in s.editFault || (S.issuesByKey(s).get('machine') ?? []).some(S.isError);
+      wrong(faultsAbout(s, of), !isFault);
     },
   );
 }

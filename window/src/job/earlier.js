@@ -21,17 +21,26 @@ export function whenWords(when) {
   return `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())} ${two(at.getHours())}:${two(at.getMinutes())}`;
 }
 
-/** @param {Element} element @param {import('./page.js').Store} store */
-export function mountEarlier(element, store) {
+/** @param {Element} element @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
+export function mountEarlier(element, store, actions) {
   const list = h('ul');
   const box = h('div', { class: 'block' }, h('h2', {}, 'Earlier runs'), list);
   element.append(box);
-  const make = (/** @type {EarlierRun & { trace: string }} */ run) => {
+  const make = (/** @type {EarlierRun & { trace: string, job: string }} */ run) => {
     const words = run.verdict ?? 'no verdict';
     return h(
       'li',
       { class: 'earlier' },
-      h('b', { class: verdictKind(run.verdict) }, words),
+      h(
+        'button',
+        {
+          class: `plain ${verdictKind(run.verdict)}`,
+          title: 'Show this verdict above',
+          'aria-label': `${words}, show the verdict of ${run.when}`,
+          on: { click: () => void actions.showResult(run.path) },
+        },
+        words,
+      ),
       h('span', {}, whenWords(run.when)),
       h(
         'a',
@@ -44,12 +53,19 @@ export function mountEarlier(element, store) {
         'Report',
       ),
       run.trace &&
-        h('a', { href: `/view?trace=${encodeURIComponent(run.trace)}`, 'aria-label': `Trace of ${run.when}` }, 'Trace'),
+        h(
+          'a',
+          {
+            href: `/view?trace=${encodeURIComponent(run.trace)}&job=${encodeURIComponent(run.job)}`,
+            'aria-label': `Trace of ${run.when}`,
+          },
+          'Trace',
+        ),
     );
   };
   watch(
     store,
-    (s) => [s.files, s.check.value?.name, s.job === null],
+    (s) => [s.files, s.check.value?.name, s.job?.path],
     (s) => {
       const traces = new Set((s.files.traces ?? []).map((/** @type {any} */ t) => t.path));
       const runs = s.job ? runsOf(s.files, s.check.value?.name) : [];
@@ -57,8 +73,9 @@ export function mountEarlier(element, store) {
       const shown = runs.map((run) => ({
         ...run,
         trace: traces.has(`${run.path}/run.mcap`) ? `${run.path}/run.mcap` : '',
+        job: s.job?.path ?? '',
       }));
-      keyed(list, shown, (run) => `${run.path} ${run.trace}`, make);
+      keyed(list, shown, (run) => `${run.path} ${run.trace} ${run.job}`, make);
     },
   );
 }

@@ -32,7 +32,16 @@ export function entitiesChosen(state, ids, how = 'only') {
       : next.selected[next.selected.length - 1];
   const line = last === undefined ? null : (linesOfEntities(plan?.entity_lines, [last])[0] ?? null);
   const period = line === null || state.playing ? state.period : (periodOfLine(plan?.preview, line) ?? state.period);
-  return { ...next, line, period };
+  return { ...next, line, period, stage: next.stage.place ? { ...next.stage, place: null } : next.stage };
+}
+
+/**
+ * The place of a check was chosen: its entity in drawing, order and G-code, and the place itself, which the drawing shows.
+ * @param {State} state @param {{ entity: number | null, at: [number, number] | null }} where @returns {State}
+ */
+export function checkChosen(state, { entity, at }) {
+  const next = entitiesChosen(state, entity === null ? [] : [entity]);
+  return { ...next, finding: null, stage: { ...next.stage, show: 'drawing', place: at } };
 }
 
 /** A line of G-code was chosen. @param {State} state @param {number} line @returns {State} */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page on which a job is made and started.
 // @ts-check
+import { jobOfHash } from '../shared/job_address.js';
 import { createStore } from '../shared/store.js';
 import { createActions } from './actions.js';
 import { mountPage } from './page.js';
@@ -11,5 +12,5 @@ export function showJob(element) {
   const store = createStore(initialState());
   const actions = createActions(store);
   mountPage(element, store, actions);
-  actions.begin(new URLSearchParams(location.hash.slice(1)).get('scenario') ?? '');
+  actions.begin(jobOfHash(location.hash));
 }

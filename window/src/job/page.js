@@ -3,6 +3,7 @@
 // @ts-check
 import { fill, h, mark, say } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
+import { jobHash, keepJob } from '../shared/job_address.js';
 import { shellBar } from '../shared/shell.js';
 import { watch } from '../shared/store.js';
 import { commandOf } from './command.js';
@@ -29,7 +30,7 @@ export function mountPage(root, store, actions) {
   mountRun(runArea, store, actions);
   mountChoices(left, store, actions);
   mountParameters(left, store, actions);
-  mountEarlier(left, store);
+  mountEarlier(left, store, actions);
   mountMiddle(middle, store, actions);
   mountRight(right, store, actions);
   takeDrops(store, actions);
@@ -41,11 +42,14 @@ export function mountPage(root, store, actions) {
   );
   watch(
     store,
-    (state) => [state.job?.path, S.isChanged(state.job)],
-    ({ job }) => {
+    (state) => [state.job?.path, S.isChanged(state.job), state.run?.results],
+    ({ job, run }) => {
       document.title = job ? `${S.isChanged(job) ? '• ' : ''}${job.path} · Kerfbench` : 'Kerfbench';
-      const hash = job ? `#scenario=${encodeURIComponent(job.path)}` : '';
-      if (hash && location.hash !== hash) history.replaceState(null, '', hash);
+      // The verdict that is shown is part of the address: who comes back from its trace finds it here.
+      const hash = jobHash({ scenario: job?.path, results: job && run?.scenario === job.path ? run.results : '' });
+      if (!hash) return;
+      keepJob(hash);
+      if (location.hash !== hash) history.replaceState(null, '', hash);
     },
   );
   addEventListener('beforeunload', (event) => {
@@ -159,13 +163,14 @@ function mountNotice(element, store) {
     },
     icon('close'),
   );
-  const box = h('div', { class: 'notice', role: 'alert', hidden: true }, words, close);
+  const box = h('div', { class: 'notice', id: 'notice', role: 'alert', hidden: true }, words, close);
   element.append(box);
   watch(
     store,
     (s) => [s.notice],
     ({ notice }) => {
       box.hidden = !notice;
+      box.classList.toggle('done', notice?.kind === 'done');
       fill(
         words,
         notice && h('p', {}, notice.text),
@@ -178,6 +183,15 @@ function mountNotice(element, store) {
               h('li', {}, issue.file ? `${issue.file}${issue.line ? `:${issue.line}` : ''}: ` : '', issue.message),
             ),
           ),
+        notice?.acts?.length
+          ? h(
+              'div',
+              { class: 'acts' },
+              notice.acts.map(({ title, act }) =>
+                h('button', { on: { click: () => (store.update(S.having({ notice: null })), act()) } }, title),
+              ),
+            )
+          : null,
       );
     },
   );

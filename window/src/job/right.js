@@ -130,7 +130,8 @@ function mountGcode(panel, store, actions) {
   watch(
     store,
     (s) => [s.plan],
-    (s) => editor.setIssues(issues(s)),
+    (s) =>
+      editor.setIssues(issues(s).map((/** @type {any} */ i) => ({ ...i, message: S.withoutLine(i) }))),
   );
   watch(
     store,
@@ -174,7 +175,7 @@ function mountGcode(panel, store, actions) {
       download.hidden = S.gcodeOf(s) === '';
       const first = issues(s).find((/** @type {any} */ i) => i.severity !== 'warning');
       const words = first
-        ? `Line ${first.line}: ${first.message}`
+        ? `G-code, line ${first.line}: ${S.withoutLine(first)}`
         : s.plan.state === 'failed' && S.obstacles({ ...s, plan: { ...s.plan, state: 'none' } }).length === 0
           ? (s.plan.fault?.message ?? '')
           : '';

@@ -6,8 +6,8 @@
 
 const kMostLog = 500;
 
-/** @param {any} answer of POST /api/runs @param {string} scenario @returns {Run} */
-export const runBegun = (answer, scenario) => ({
+/** @param {any} answer of POST /api/runs @param {string} scenario @param {import('./state.js').RunInput | null} [of] @returns {Run} */
+export const runBegun = (answer, scenario, of = null) => ({
   id: String(answer.id),
   scenario,
   state: answer.state ?? 'starting',
@@ -25,6 +25,20 @@ export const runBegun = (answer, scenario) => ({
   log: [],
   stopping: false,
   fault: '',
+  of,
+});
+
+/**
+ * A run that ended before, from its results.
+ * @param {{ results: string, scenario: string, judged: any, trace: string, of: import('./state.js').RunInput | null }} found @returns {Run}
+ */
+export const runFound = ({ results, scenario, judged, trace, of }) => ({
+  ...runBegun({ id: '', state: 'ended' }, scenario, of),
+  verdict: judged?.verdict ?? null,
+  exitCode: judged?.exit_code ?? null,
+  results,
+  trace,
+  judged,
 });
 
 /** @param {Run} run @param {any} progress {now_s, share?, what, left_s?} @returns {Run} */
@@ -109,7 +123,20 @@ export function figureWords(check) {
     check.limit === null || check.limit === undefined
       ? ''
       : `, limit ${check.limit_is === 'lower' ? 'at least ' : ''}${check.limit}${unit}`;
-  return `${check.value_is === 'at_least' ? 'at least ' : ''}${digits(check.value)}${unit}${limit}`;
+  const u = check.expanded_uncertainty;
+  const within = typeof u === 'number' && u > 0 ? ` ± ${digits(u)}` : '';
+  return `${check.value_is === 'at_least' ? 'at least ' : ''}${digits(check.value)}${within}${unit}${limit}`;
+}
+
+/**
+ * Place of a check's worst value on the sheet: null where it has neither an entity nor a place.
+ * @param {any} check @returns {{ entity: number | null, at: [number, number] | null } | null}
+ */
+export function placeOf(check) {
+  const { entity, x_mm, y_mm } = check.where ?? {};
+  const id = typeof entity === 'number' && entity >= 0 ? entity : null;
+  const at = typeof x_mm === 'number' && typeof y_mm === 'number' ? /** @type {[number, number]} */ ([x_mm, y_mm]) : null;
+  return id === null && at === null ? null : { entity: id, at };
 }
 
 /** Checks that are no PASS, the worst kind first. @param {any} judged verdict.json */

@@ -5,6 +5,7 @@ import { fill, h, say } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
 import { watch } from '../shared/store.js';
 import { resultPath } from './actions.js';
+import { checkChosen } from './links.js';
 import * as R from './run.js';
 import * as S from './state.js';
 
@@ -14,6 +15,7 @@ const kKinds = ['pass', 'fail', 'unproven', 'invalid'];
 export function mountRun(element, store, actions) {
   const spoken = h('p', { class: 'visually-hidden', role: 'status', 'aria-live': 'polite' });
   const verdict = h('p', { class: 'verdict' });
+  const earlier = h('p', { class: 'earlier-job', id: 'earlier-job', role: 'status', hidden: true });
   const words = h('p', { class: 'words' });
   const bar = h('progress', { max: 1, 'aria-label': 'Progress of the run' });
   const links = h('div', { class: 'links' });
@@ -24,12 +26,13 @@ export function mountRun(element, store, actions) {
     'section',
     { class: 'run', id: 'run', 'aria-label': 'Run', hidden: true },
     verdict,
-    h('div', {}, words, bar),
+    h('div', {}, earlier, words, bar),
     links,
     checks,
     lines,
   );
   element.append(spoken, box);
+  markEarlier(box, earlier, store);
   watch(
     store,
     (s) => [s.run],
@@ -60,7 +63,7 @@ export function mountRun(element, store, actions) {
         (going ? [] : (run.judged?.problems ?? [])).map((/** @type {any} */ p) =>
           h('li', {}, h('span', {}, typeof p === 'string' ? p : (p.text ?? p.message ?? ''))),
         ),
-        bad.map(checkRow),
+        bad.map((/** @type {any} */ check) => checkRow(check, run, store)),
       );
       lines.hidden = run.log.length === 0;
       say(log, run.log.join('\n'));
@@ -68,16 +71,59 @@ export function mountRun(element, store, actions) {
   );
 }
 
-/** @param {any} check of verdict.json */
-function checkRow(check) {
-  return h(
-    'li',
-    {},
-    h('b', {}, `${check.verdict === 'FAIL' ? '' : `${check.verdict}: `}${check.title}${check.subject ? ` (${check.subject})` : ''}`),
-    h('span', {}, R.figureWords(check)),
-    h('p', {}, check.explanation),
+/** What is said over the verdict of a job that was changed since. @param {Element} box @param {Element} earlier @param {import('./page.js').Store} store */
+function markEarlier(box, earlier, store) {
+  watch(
+    store,
+    (s) => [s.run, s.job, s.plan],
+    (s) => {
+      const is = S.isOfEarlierJob(s);
+      box.classList.toggle('of-earlier', is);
+      const other = s.run && s.job && s.job.path !== s.run.scenario ? ` ${s.run.scenario}` : '';
+      say(earlier, is ? `Of the job${other} before it was changed. Start again for a verdict on what is here now.` : '');
+      /** @type {any} */ (earlier).hidden = !is;
+    },
   );
 }
+
+/**
+ * A check that is not good. Where its worst value has a place, a click on its title leads there in drawing and G-code; where it has a
+ * time, a link leads there in the trace.
+ * @param {any} check of verdict.json @param {S.Run} run @param {import('./page.js').Store} store
+ */
+function checkRow(check, run, store) {
+  const title = `${check.verdict === 'FAIL' ? '' : `${check.verdict}: `}${check.title}${check.subject ? ` (${check.subject})` : ''}`;
+  const where = R.placeOf(check);
+  const name = where
+    ? h(
+        'button',
+        {
+          class: 'to-place',
+          title: 'Show the place in drawing and G-code',
+          on: { click: () => store.update((s) => checkChosen(s, where)) },
+        },
+        title,
+      )
+    : h('b', {}, title);
+  const at_s = check.where?.time_s;
+  return h(
+    'li',
+    { class: where ? 'has-place' : null },
+    name,
+    h('span', {}, R.figureWords(check)),
+    h(
+      'p',
+      {},
+      check.explanation,
+      run.trace &&
+        typeof at_s === 'number' && [' ', h('a', { href: traceHref(run, at_s) }, `Trace at ${at_s.toFixed(4)} s`)],
+    ),
+  );
+}
+
+/** @param {S.Run} run @param {number} [at_s] */
+const traceHref = (run, at_s) =>
+  `/view?trace=${encodeURIComponent(run.trace)}&job=${encodeURIComponent(run.scenario)}${at_s === undefined ? '' : `#t=${at_s.toFixed(6)}`}`;
 
 /** @param {S.Run} run @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
 function linksOf(run, store, actions) {
@@ -110,7 +156,7 @@ function linksOf(run, store, actions) {
         'a',
         {
           class: 'button',
-          href: `/view?trace=${encodeURIComponent(run.trace)}${at_s === undefined ? '' : `#t=${at_s.toFixed(6)}`}`,
+          href: traceHref(run, at_s),
         },
         at_s === undefined ? 'Trace' : 'Trace at this moment',
       ),

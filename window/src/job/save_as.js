@@ -2,7 +2,7 @@
 // Asks for the name under which a scenario is saved. A copy of a shipped one has its names of files rewritten by the server.
 // @ts-check
 import { h, say } from '../shared/dom.js';
-import { freeName } from './actions.js';
+import { freeName } from './arrivals.js';
 import * as S from './state.js';
 
 /** What is wrong with a name, in a sentence; empty: nothing. @param {string} name without .yaml @param {Set<string>} taken paths */

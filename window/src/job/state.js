@@ -17,14 +17,20 @@ import { periodOfLine } from './motion.js';
  * `gcode`: edited by hand and not saved yet; null: what the server plans or reads. */
 /** @typedef {{ id: string, scenario: string, state: string, command: string, what: string, share: number | null,
  *   left_s: number | null, now_s: number | null, verdict: string | null, results: string, report: string, trace: string,
- *   exitCode: number | null, judged: any, log: string[], stopping: boolean, fault: string }} Run */
+ *   exitCode: number | null, judged: any, log: string[], stopping: boolean, fault: string, of: RunInput | null }} Run */
+/** What a run was given, as far as the page shows it: text and G-code that is by hand, and whether the drawing was exchanged since.
+ * @typedef {{ text: string, gcode: string | null, outdated: boolean }} RunInput */
 /** @typedef {{ session: any, files: any, reference: any[], job: Job | null, check: Answer<any>, plan: Answer<any>,
  *   selected: number[], line: number | null, finding: number | null, period: number, playing: boolean, run: Run | null,
- *   stage: Stage, orderDraft: number[] | null, editing: number, busy: string, notice: { kind: 'error' | 'done', text: string, issues: Issue[] } | null, editFault: Record<string, string> }} State */
+ *   stage: Stage, orderDraft: number[] | null, editing: number, exchanged: number, busy: string, notice: Notice | null, editFault: Record<string, string> }} State */
+
+/** What is told above the page, with what may be done about it.
+ * @typedef {{ kind: 'error' | 'done', text: string, issues: Issue[], acts?: { title: string, act: () => void }[] }} Notice */
 
 /** How the drawing is looked at. `measure`: none, one or two places in S.
- * @typedef {{ tool: 'select' | 'move' | 'measure', colour: 'power' | 'speed' | 'reach', jumps: boolean, numbers: boolean,
- *   measure: [number, number][], show: 'drawing' | 'machine' }} Stage */
+ * @typedef {{ tool: 'select' | 'move' | 'measure', colour: 'power' | 'speed' | 'reach', jumps: boolean, numbers: boolean, frames: boolean,
+ *   measure: [number, number][], show: 'drawing' | 'machine', place: [number, number] | null }} Stage
+ * `place`: one that was asked for, in S; it is brought into view and has a ring. */
 
 /** @type {Answer<any>} */
 const kNone = Object.freeze({ state: 'none', value: null, fault: null });
@@ -44,12 +50,16 @@ export const initialState = () => ({
   playing: false,
   orderDraft: null,
   editing: 0,
+  exchanged: 0,
   run: null,
-  stage: { tool: 'select', colour: 'power', jumps: true, numbers: false, measure: [], show: 'drawing' },
+  stage: { tool: 'select', colour: 'power', jumps: true, numbers: false, frames: true, measure: [], show: 'drawing', place: null },
   busy: '',
   notice: null,
   editFault: {},
 });
+
+/** @param {string} path */
+export const baseName = (path) => path.slice(path.lastIndexOf('/') + 1);
 
 /** What the server ships is read only. @param {string} path */
 export const isShipped = (path) => path.startsWith('shipped/');
@@ -67,8 +77,8 @@ export function opened(state, path, text) {
     period: 0,
     playing: false,
     orderDraft: null,
-    run: state.run && state.run.state === 'running' ? state.run : null,
-    stage: { ...state.stage, measure: [] },
+    run: state.run && isGoing(state.run) ? state.run : null,
+    stage: { ...state.stage, measure: [], place: null },
     notice: null,
     editFault: {},
   };
@@ -114,6 +124,12 @@ export function saved(state, path, text) {
   const { job } = state;
   if (!job) return state;
   return { ...state, job: { ...job, path, readOnly: isShipped(path), saved: text, gcode: null } };
+}
+
+/** The drawing's file is another one now: what was said of it is asked for anew. @param {State} state @param {boolean} other are its bytes others? @returns {State} */
+export function drawingExchanged(state, other) {
+  const run = other && state.run?.of ? { ...state.run, of: { ...state.run.of, outdated: true } } : state.run;
+  return { ...state, exchanged: state.exchanged + 1, run };
 }
 
 /** @param {Job | null} job */
@@ -182,8 +198,31 @@ export const measuredAt = (state, at_mm) =>
 /** A change of part of the state. @param {Partial<State>} part @returns {(state: State) => State} */
 export const having = (part) => (state) => ({ ...state, ...part });
 
+/**
+ * Is the verdict that is shown that of the job as it stands here? Changes that are taken back make it so again.
+ * @param {State} state
+ */
+export function isOfEarlierJob(state) {
+  const { run, job } = state;
+  if (!run || !run.of || isGoing(run)) return false;
+  if (!job || job.path !== run.scenario || run.of.outdated || job.text !== run.of.text) return true;
+  if (run.of.gcode === null) return job.gcode !== null;
+  // By hand: what the run had against what stands in the editor, once it is there.
+  return job.gcode !== null ? job.gcode !== run.of.gcode : state.plan.state === 'ready' && gcodeOf(state) !== run.of.gcode;
+}
+
+/** What a run that is started now is given. @param {State} state @returns {RunInput | null} */
+export const runInputOf = (state) =>
+  state.job && { text: state.job.text, gcode: isByHand(state) ? gcodeOf(state) : null, outdated: false };
+
 /** @param {string} text @param {Issue[]} [issues] @returns {(state: State) => State} */
 export const failed = (text, issues = []) => having({ notice: { kind: 'error', text, issues }, busy: '' });
+
+/** A sentence of the planner without its line, which stands before it already. @param {{ message: string, line?: number }} issue */
+export function withoutLine({ message, line = 0 }) {
+  const found = line > 0 ? /^(?:(E\d+), )?G-code line \d+:? ?([^]*)$/.exec(message) : null;
+  return found ? `${found[1] ? `${found[1]} ` : ''}${found[2]}` : message;
+}
 
 /** Errors and warnings of the scenario that belong to a key. @param {State} state @returns {Map<string, Issue[]>} */
 export function issuesByKey(state) {
@@ -194,6 +233,9 @@ export function issuesByKey(state) {
   }
   return of;
 }
+
+/** @param {Issue} issue */
+export const isError = (issue) => (issue.severity ?? 'error') === 'error';
 
 /** Keys whose faults stand beside a choice of the page. */
 const isChoice = (/** @type {string} */ key) => /^(dieline|machine|layers|firmware)(\.|$)/.test(key);

@@ -47,7 +47,7 @@ export function dielinePanel({ body, tools, trace, timeline }) {
     const now = placesAt(trace, timeline.get().t_s);
     const apart = (/** @type {number[] | undefined} */ a, /** @type {number[] | undefined} */ b) => (a && b ? Math.hypot(a[0] - b[0], a[1] - b[1]) : NaN);
     const gap = 1000 * apart(now.commanded, now.real);
-    say(reading, `unit ${now.unit + 1} · commanded to true ${quantity(gap, 0, 'µm')} · measured deviation ${quantity(1000 * now.deviation_mm, 0, 'µm')}`);
+    say(reading, `unit ${now.unit} · commanded to true ${quantity(gap, 0, 'µm')} · measured deviation ${quantity(1000 * now.deviation_mm, 0, 'µm')}`);
     canvas.want();
   };
   update();

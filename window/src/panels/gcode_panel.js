@@ -28,7 +28,7 @@ export function gcodePanel({ body, tools, trace, timeline }) {
   const update = () => {
     const now = trace.lineAt(timeline.get().t_s);
     const line = now?.line ?? 0;
-    say(where, line > 0 ? `line ${line}, unit ${(now?.unit ?? 0) + 1}` : 'between programs');
+    say(where, line > 0 ? `line ${line}, unit ${now?.unit ?? 0}` : 'between programs');
     if (line === current) return;
     current = line;
     if (line > 0) list.reveal(line - 1);

@@ -4,7 +4,7 @@
 // @ts-check
 import { getJson } from '../shared/api.js';
 import { fill, h } from '../shared/dom.js';
-import { bySheet, kindOf, progressOf, sheetWords } from './steps.js';
+import { bySheet, calibrationWords, holdsWords, kindOf, ownCalibrations, progressOf, sheetWords } from './steps.js';
 
 /** @typedef {import('./steps.js').Steps} Steps */
 
@@ -86,24 +86,37 @@ async function look() {
   setTimeout(look, kLook_ms);
 }
 
-/** Which calibrations the folder has. */
+/** Which calibrations the folder has, and what they are made of. */
 async function list() {
-  const { service = [] } = await getJson('/api/files');
+  const { service = [], service_files: files = [] } = await getJson('/api/files');
+  const own = ownCalibrations(files);
+  const calibrations =
+    own.length > 0
+      ? [h('h2', {}, 'Cameras, scanners and targets'), h('ul', {}, own.map((file) => h('li', {}, calibrationWords(file))))]
+      : [];
   if (service.length > 0)
     tell(
       'Calibrations and checks by hand in this folder:',
       h(
         'ul',
-        {},
-        service.map((/** @type {any} */ one) =>
-          h('li', {}, h('a', { href: `/service?path=${encodeURIComponent(one.path)}` }, one.path)),
-        ),
+        { id: 'calibrations' },
+        service.map((/** @type {any} */ one) => {
+          const holds = holdsWords(files, one.path);
+          return h(
+            'li',
+            {},
+            h('a', { href: `/service?path=${encodeURIComponent(one.path)}` }, one.path),
+            holds && h('span', { class: 'mute' }, `: ${holds}`),
+          );
+        }),
       ),
+      calibrations,
     );
   else
     tell(
       'Nothing is calibrated or checked by hand in this folder yet. This begins one; run it again after each step:',
       h('pre', { tabindex: 0 }, 'kerfbench calibrate head --by-hand --machine MACHINE.yaml --results-dir results/head'),
+      calibrations,
     );
 }
 

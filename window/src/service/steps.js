@@ -37,3 +37,31 @@ export function sheetWords(sheet) {
   const found = /^(\d+)-(.+)$/.exec(sheet);
   return found ? `Sheet ${found[1]}: ${found[2].replace(/-/g, ' ')}` : sheet === '' ? 'Then' : sheet;
 }
+
+/** @typedef {{ path: string, kind: string, id?: string, date?: string }} ServiceFile */
+
+const kKinds = {
+  scan: ['scan', 'scans'],
+  photograph: ['photograph', 'photographs'],
+  tiles: ['list of pictures (tiles.yaml)', 'lists of pictures (tiles.yaml)'],
+  'scan-list': ['description of a scan (scan.yaml)', 'descriptions of scans (scan.yaml)'],
+  table: ['correction table', 'correction tables'],
+};
+
+/** What a folder of a calibration has: "2 scans, 1 correction table"; empty: nothing yet. @param {ServiceFile[]} files @param {string} folder */
+export function holdsWords(files, folder) {
+  const own = files.filter(({ path }) => path.startsWith(`${folder}/`));
+  return Object.entries(kKinds)
+    .map(([kind, [one, several]]) => [own.filter((file) => file.kind === kind).length, one, several])
+    .filter(([count]) => Number(count) > 0)
+    .map(([count, one, several]) => `${count} ${count === 1 ? one : several}`)
+    .join(', ');
+}
+
+/** Calibrations of cameras and scanners, and targets, that are the user's own: the shipped ones belong to shipped machines. @param {ServiceFile[]} files */
+export const ownCalibrations = (files) =>
+  files.filter(({ path, kind }) => ['camera', 'scanner', 'target'].includes(kind) && !path.startsWith('shipped/'));
+
+/** "glass.yaml: scanner glass-1 of 2026-11-21". @param {ServiceFile} file */
+export const calibrationWords = ({ path, kind, id, date }) =>
+  `${path}: ${kind}${id ? ` ${id}` : ''}${date ? ` of ${date}` : ''}`;

@@ -49,11 +49,14 @@ export async function sendJson(path, body, { method = 'POST', signal } = {}) {
   return (await ask(path, { method, headers, body: JSON.stringify(body), signal })).json();
 }
 
-/** Writes a file into the folder. @param {string} name below the folder @param {Blob | ArrayBuffer | string} content
- * @returns {Promise<{path: string}>} */
-export async function putFile(name, content) {
+/** Brings a file into the folder: 409 where another one has the name, unless it is to be replaced.
+ * @param {string} name below the folder @param {Blob | ArrayBuffer | string} content @param {'new' | 'replace'} as
+ * @returns {Promise<{path: string, was_there: boolean}>} was_there: these very bytes, which were not written again */
+export async function putFile(name, content, as) {
   const headers = { 'Content-Type': 'application/octet-stream', 'X-Kerfbench': '1' };
-  return (await ask(`/api/files?path=${encodeURIComponent(name)}`, { method: 'PUT', headers, body: content })).json();
+  return (
+    await ask(`/api/files?path=${encodeURIComponent(name)}&as=${as}`, { method: 'PUT', headers, body: content })
+  ).json();
 }
 
 /** Follows a run. The browser itself connects anew when the line breaks.

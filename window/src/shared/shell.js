@@ -2,6 +2,7 @@
 // What all pages have at their top: the name, and the way to the other pages.
 // @ts-check
 import { h, svg } from './dom.js';
+import { jobHref } from './job_address.js';
 
 /** Pages of the window: how they are called and where they are.
  * @type {{ name: string, title: string, href: string }[]} */
@@ -26,7 +27,16 @@ export function shellBar(here) {
     h(
       'nav',
       { 'aria-label': 'Pages' },
-      kPages.map(({ name, title, href }) => h('a', { href, 'aria-current': name === here ? 'page' : null }, title)),
+      kPages.map(({ name, title, href }) =>
+        h(
+          'a',
+          {
+            href: name === 'job' && here !== 'job' ? jobHref(location.search, sessionStorage) : href,
+            'aria-current': name === here ? 'page' : null,
+          },
+          title,
+        ),
+      ),
     ),
   ];
 }

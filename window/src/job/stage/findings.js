@@ -5,36 +5,75 @@ import { h, keyed, mark, say } from '../../shared/dom.js';
 import { watch } from '../../shared/store.js';
 import { entitiesChosen, lineChosen } from '../links.js';
 import * as S from '../state.js';
+import { frameWords, framesOf, misplaced, tooLarge } from './frames.js';
 import { toScreen } from './geometry.js';
+import { motionOf } from './painter.js';
 
 /** @typedef {{ number: number, severity: string, message: string, where: [number, number] | null, entities: number[], line: number | null, place: string }} Item */
 
 /** Rows of the list. Who has more than these begins with them. */
 const kMostRows = 300;
 
+/** Where a warning of the drawing's reader is: "label.svg, line 12". @param {any} issue */
+const placeInFile = (issue) => `${S.baseName(issue.file)}${issue.line > 0 ? `, line ${issue.line}` : ''}`;
+
+/** Warnings of the drawing's file: its unit, what is left out of it. @param {S.State} s */
+const ofFile = (s) =>
+  (s.check.value?.issues ?? [])
+    .filter((/** @type {any} */ i) => (i.file ?? '') !== '' && i.severity === 'warning' && s.check.value?.drawing)
+    .map((/** @type {any} */ i) => ({
+      severity: 'warning',
+      message: i.message,
+      where: null,
+      entities: entitiesAtLine(s, i),
+      line: null,
+      place: placeInFile(i),
+    }));
+
+/** Entities that begin at the line of the drawing of which an issue tells. @param {S.State} s @param {any} issue @returns {number[]} */
+const entitiesAtLine = (s, issue) =>
+  issue.file === s.check.value.drawing.file && issue.line > 0
+    ? s.check.value.drawing.entities
+        .filter((/** @type {any} */ e) => e.line === issue.line)
+        .map((/** @type {any} */ e) => e.id)
+    : [];
+
+/** The entity of which a sentence of the planner tells: "from E5: …". @param {string} message @returns {number[]} */
+function entitiesIn(message) {
+  const found = /\bE(\d+)\b/.exec(message);
+  return found ? [Number(found[1])] : [];
+}
+
+/** What the planner says of the job and its G-code. @param {S.State} s */
+function ofJob(s) {
+  /** @type {Set<string>} */
+  const told = new Set();
+  const known = new Set((s.check.value?.drawing?.entities ?? []).map((/** @type {any} */ e) => e.id));
+  return (s.plan.value?.issues ?? []).flatMap((/** @type {any} */ i) => {
+    // The place stands before the message already.
+    const message = S.withoutLine(i);
+    if (told.has(`${i.line} ${message}`)) return [];
+    told.add(`${i.line} ${message}`);
+    const line = i.line > 0 ? i.line : null;
+    const entities = (i.entities ?? entitiesIn(message)).filter((/** @type {number} */ id) => known.has(id));
+    const place = line === null ? (i.source === 'gcode' ? 'G-code' : 'job') : `G-code, line ${line}`;
+    return [{ severity: i.severity ?? 'error', message, where: i.where_mm ?? null, entities, line, place }];
+  });
+}
+
 /** Everything that is to be listed, in one numbering. @param {S.State} s @returns {Item[]} */
 export function itemsOf(s) {
-  const findings = (s.check.value?.drawing?.findings ?? []).filter((/** @type {any} */ f) => !f.accepted);
+  const { drawing } = s.check.value ?? {};
+  const findings = (drawing?.findings ?? []).filter((/** @type {any} */ f) => !f.accepted);
   const drawn = findings.map((/** @type {any} */ f) => ({
     severity: f.severity,
     message: f.message,
     where: f.where_mm ?? null,
     entities: f.entities ?? [],
     line: null,
-    // Most messages name their entities themselves.
-    place: /\bE\d/.test(f.message) || !f.line ? '' : `line ${f.line} of the drawing`,
+    // Lines in the message, and this one, are those of the drawing's file.
+    place: S.baseName(drawing.file ?? '') + (/\bline \d/.test(f.message) || !f.line ? '' : `, line ${f.line}`),
   }));
-  /** @type {Set<string>} */
-  const told = new Set();
-  const job = (s.plan.value?.issues ?? []).flatMap((/** @type {any} */ i) => {
-    // The place stands before the message already.
-    const message = i.line > 0 ? i.message.replace(/^G-code line \d+: /, '') : i.message;
-    if (told.has(`${i.line} ${message}`)) return [];
-    told.add(`${i.line} ${message}`);
-    const line = i.line > 0 ? i.line : null;
-    const place = line === null ? 'job' : `G-code, line ${line}`;
-    return [{ severity: i.severity ?? 'error', message, where: null, entities: [], line, place }];
-  });
   // A scenario that is refused has these beside its fields already.
   const planned =
     s.plan.state === 'failed' && s.check.value?.fits && S.isPlanned(s)
@@ -49,7 +88,7 @@ export function itemsOf(s) {
           },
         ]
       : [];
-  return [...drawn, ...job, ...planned].map((item, i) => ({ ...item, number: i + 1 }));
+  return [...drawn, ...ofFile(s), ...ofJob(s), ...planned].map((item, i) => ({ ...item, number: i + 1 }));
 }
 
 /** @param {number} count @param {string} one @param {string} several */
@@ -73,18 +112,60 @@ export function headOf(s, items) {
 }
 
 /**
- * @param {Element} element @param {Element} pins @param {import('../page.js').Store} store @param {(at_mm: [number, number]) => void} toPlace
- * @param {ReturnType<typeof import('./painter.js').createPainter>} painter
+ * What can be done about a drawing that does not lie where it should, and what the words of frames mean.
+ * @param {import('../page.js').Store} store @param {import('../actions.js').Actions} actions
  */
-export function mountFindings(element, pins, store, toPlace, painter) {
+function placing(store, actions) {
+  const why = h('span');
+  const button = h(
+    'button',
+    { id: 'place-anew', on: { click: () => void actions.place() } },
+    'Lay marks and start anew',
+  );
+  const offer = h('p', { class: 'offer', hidden: true }, why, button);
+  const large = h('p', { class: 'offer', id: 'too-large', hidden: true });
+  const words = h('p', { class: 'frame-words', id: 'frame-words', hidden: true });
+  watch(
+    store,
+    (s) => [s.check.value, s.plan.value, s.job?.readOnly],
+    (s) => {
+      const value = s.job ? s.check.value : null;
+      const doubt = misplaced(value, s.plan.value);
+      offer.hidden = doubt === '';
+      say(why, doubt);
+      const size = tooLarge(value);
+      large.hidden = size === '';
+      say(large, size);
+    },
+  );
+  watch(
+    store,
+    (s) => [s.check.value, s.plan.value, s.stage.frames],
+    (s) => {
+      const told = (s.plan.value?.issues ?? []).some((/** @type {any} */ i) => /x_W|y_W|field/.test(i.message));
+      words.hidden = !s.job || !s.check.value?.drawing || !(told || s.stage.frames);
+      say(words, frameWords(framesOf(s.check.value, motionOf(s), 0), s.check.value?.machine?.name ?? ''));
+    },
+  );
+  return [large, offer, words];
+}
+
+/**
+ * @param {Element} element @param {Element} pins
+ * @param {{ store: import('../page.js').Store, actions: import('../actions.js').Actions, toPlace: (at_mm: [number, number]) => void,
+ *   painter: ReturnType<typeof import('./painter.js').createPainter> }} page
+ */
+export function mountFindings(element, pins, { store, actions, toPlace, painter }) {
   const title = h('h2');
   const list = h('ol');
   const more = h('p', { hidden: true });
-  const box = h('section', { class: 'findings', 'aria-label': 'Findings' }, title, list, more);
+  const box = h('section', { class: 'findings', 'aria-label': 'Findings' }, title);
+  const [large, offer, words] = placing(store, actions);
+  box.append(large, offer, list, more, words);
   element.append(box);
   const go = (/** @type {Item} */ item) => {
     store.update((s) => ({
-      ...(item.line !== null ? lineChosen(s, item.line) : entitiesChosen(s, item.entities)),
+      ...(item.line !== null ? lineChosen({ ...s, line: null }, item.line) : entitiesChosen(s, item.entities)),
       finding: item.number,
     }));
     if (item.where) toPlace(item.where);

@@ -163,6 +163,7 @@ export function takeHands(canvas, store, painter, hand, tell) {
         h: () => store.update(S.looking({ tool: 'move' })),
         m: () => store.update(S.looking({ tool: 'measure' })),
         j: () => store.update((/** @type {S.State} */ s) => S.looking({ jumps: !s.stage.jumps })(s)),
+        a: () => store.update((/** @type {S.State} */ s) => S.looking({ frames: !s.stage.frames })(s)),
         n: () => store.update((/** @type {S.State} */ s) => S.looking({ numbers: !s.stage.numbers })(s)),
       };
       const act = /** @type {any} */ (letters)[event.key.toLowerCase()];

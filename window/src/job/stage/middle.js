@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The middle of the page: tools, the drawing or the machine, the player, and what is wrong with the drawing.
 // @ts-check
-import { fill, h, mark, say } from '../../shared/dom.js';
+import { fill, h, mark, say, svg } from '../../shared/dom.js';
 import { watch } from '../../shared/store.js';
 import { kProcesses, swatch } from '../choices.js';
 import * as S from '../state.js';
 import { mountFindings } from './findings.js';
+import { framesOf } from './frames.js';
 import { measured, toScreen, zoomed } from './geometry.js';
 import { takeHands } from './hands.js';
 import { createPainter, entitiesOf, motionOf } from './painter.js';
@@ -48,7 +49,14 @@ export function mountMiddle(element, store, actions) {
     if (x < 40 || y < 40 || x > width - 40 || y > height - 40)
       painter.look({ ...view, dx: view.dx + width / 2 - x, dy: view.dy + height / 2 - y });
   };
-  mountFindings(element, pins, store, toPlace, painter);
+  mountFindings(element, pins, { store, actions, toPlace, painter });
+  watch(
+    store,
+    (s) => [s.stage.place],
+    ({ stage: { place } }) => {
+      if (place) toPlace(place);
+    },
+  );
 
   new ResizeObserver(() => painter.resize()).observe(stage);
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => painter.recolour());
@@ -56,7 +64,7 @@ export function mountMiddle(element, store, actions) {
   painter.resize();
   watch(
     store,
-    (s) => [entitiesOf(s), s.plan.value, s.selected, s.period, s.stage, s.check.value?.machine],
+    (s) => [entitiesOf(s), s.plan.value, s.selected, s.period, s.stage, s.check.value?.machine, s.check.value?.sheet],
     () => painter.soon(),
   );
   /** @type {string | undefined} */
@@ -81,7 +89,7 @@ export function mountMiddle(element, store, actions) {
   );
   watch(
     store,
-    (s) => [s.check.value?.drawing, s.plan.value?.preview, s.stage.colour],
+    (s) => [s.check.value, s.plan.value?.preview, s.stage.colour, s.stage.frames],
     (s) => fill(legend, legendOf(s)),
   );
   watch(
@@ -154,6 +162,15 @@ function toolBar(store, painter) {
     },
     'Numbers',
   );
+  const frames = h(
+    'button',
+    {
+      id: 'frames',
+      title: 'Sheet, print marks, axes and the field of the beam (A)',
+      on: { click: () => store.update((s) => S.looking({ frames: !s.stage.frames })(s)) },
+    },
+    'Frames',
+  );
   const show = ['drawing', 'machine'].map((name) =>
     h(
       'button',
@@ -168,6 +185,7 @@ function toolBar(store, painter) {
     ({ stage }) => {
       for (const button of tools) button.setAttribute('aria-pressed', String(button.dataset.tool === stage.tool));
       for (const button of show) button.setAttribute('aria-pressed', String(button.dataset.show === stage.show));
+      frames.setAttribute('aria-pressed', String(stage.frames));
       jumps.setAttribute('aria-pressed', String(stage.jumps));
       numbers.setAttribute('aria-pressed', String(stage.numbers));
     },
@@ -185,6 +203,7 @@ function toolBar(store, painter) {
     ),
     jumps,
     numbers,
+    frames,
     h('span', { class: 'gap' }),
     views,
   );
@@ -211,7 +230,22 @@ function legendOf(s) {
     ...kProcesses.filter((p) => used.has(p)).map((p) => h('span', {}, swatch(p), p)),
     motion &&
       h('span', {}, s.stage.colour === 'reach' ? 'middle' : '0', h('i', { class: 'ramp' }), most[s.stage.colour]),
-    motion?.field && h('span', {}, 'Frame: reach of the beam'),
+    ...frameLegend(s),
+  ];
+}
+
+/** Signs of the frames, as they are painted. @param {S.State} s */
+function frameLegend(s) {
+  if (!s.stage.frames || entitiesOf(s).length === 0) return [];
+  const { sheet, marks, field, rest } = framesOf(s.check.value, motionOf(s), 0);
+  const sign = (/** @type {string} */ name, /** @type {any[]} */ ...shapes) =>
+    svg('svg', { class: `sign ${name}`, viewBox: '0 0 18 12', 'aria-hidden': 'true' }, shapes);
+  return [
+    field && h('span', {}, sign('field', svg('rect', { x: 1, y: 1, width: 16, height: 10 })), 'field: what the beam reaches'),
+    sheet && h('span', {}, sign('sheet', svg('rect', { x: 1, y: 1, width: 16, height: 10 })), 'sheet (its edges are not known)'),
+    marks.length > 0 && h('span', {}, sign('marks', svg('circle', { cx: 9, cy: 6, r: 4 })), 'print marks'),
+    h('span', {}, sign('axes', svg('path', { d: 'M3 1v9h12' })), 'axes x, y of the sheet; the belt runs along x'),
+    rest && h('span', {}, sign('rest', svg('path', { d: 'M9 0v12M3 6h12' }), svg('circle', { cx: 9, cy: 6, r: 3.5 })), 'beam at rest: x_W = y_W = 0'),
   ];
 }
 
@@ -245,7 +279,7 @@ function factsOf(s) {
     ['Length', `${e.length_mm.toFixed(3)} mm`],
   ];
   if (place >= 0) facts.push(['Place', String(place + 1)]);
-  if (e.line > 0) facts.push(['Line', String(e.line)]);
+  if (e.line > 0) facts.push(['Drawn', `${S.baseName(s.check.value.drawing.file)}, line ${e.line}`]);
   return facts;
 }
 

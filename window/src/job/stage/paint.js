@@ -22,6 +22,7 @@ const kColours = [
   'fg',
   'mute',
   'line',
+  'edge',
   'bg',
   'stage',
 ];

@@ -3,8 +3,10 @@
 // only adds to the latter, and choosing paints neither anew.
 // @ts-check
 import { makeMotion, reachAt } from '../motion.js';
-import * as P from './paint.js';
+import { framesOf, wholeOf } from './frames.js';
 import { boxOfCurves, fitted } from './geometry.js';
+import * as P from './paint.js';
+import { paintAxes, paintPlace, paintSheetAndMarks } from './paint_frames.js';
 
 /** @typedef {import('../state.js').State} State */
 /** @typedef {import('./geometry.js').View} View */
@@ -44,6 +46,9 @@ export function motionOf(state) {
   if (state.check.value?.machine) motions.set(plan, motion);
   return motion;
 }
+
+/** Frames at the present moment. @param {State} state */
+const framesNow = (state) => framesOf(state.check.value, motionOf(state), state.period);
 
 /** A canvas of its own for what seldom changes. */
 function createLayer() {
@@ -114,6 +119,8 @@ export function createPainter(canvas, get, hand) {
     const g = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
     g.clearRect(0, 0, width, height);
     if (motion) P.paintReach(g, view, colours, motion, state.period);
+    const frames = state.stage.frames && entities.length > 0 ? framesNow(state) : null;
+    if (frames) paintSheetAndMarks(g, view, colours, frames);
     const runs = motion && state.period > 0;
     if (entities.length > 0 || motion) {
       paintSheet(state, motion);
@@ -126,13 +133,16 @@ export function createPainter(canvas, get, hand) {
       g.drawImage(run.canvas, 0, 0, width, height);
     }
     const chosen = state.selected.map((id) => byId(entities).get(id)).filter(Boolean);
+    if (frames) paintAxes(g, view, colours, frames);
     if (chosen.length > 0) P.paintSelected(g, view, chosen, colours);
     if (state.stage.numbers) P.paintNumbers(g, view, colours, numbersOf(state, byId(entities)));
+    if (state.stage.place) paintPlace(g, view, colours, state.stage.place);
     if (motion) P.paintBeam(g, view, colours, motion, state.period);
     paintHand(g, state);
     if (entities.length > 0 || motion) P.paintScale(g, view, colours, width);
     // Where things are, for tests and for whoever looks into the page.
     canvas.dataset.view = JSON.stringify(view);
+    canvas.dataset.place = state.stage.place ? state.stage.place.join(' ') : '';
     for (const listener of listeners) listener();
   }
 
@@ -176,9 +186,11 @@ export function createPainter(canvas, get, hand) {
       soon();
     },
     fit() {
-      const motion = motionOf(get());
-      const reach = motion && entitiesOf(get()).length === 0 ? reachAt(motion, 0) : null;
-      view = fitted(box(entitiesOf(get())) ?? reach, width, height, Math.min(48, width / 8));
+      const state = get();
+      const motion = motionOf(state);
+      const reach = motion && entitiesOf(state).length === 0 ? reachAt(motion, 0) : null;
+      const whole = state.stage.frames ? wholeOf(framesOf(state.check.value, motion, 0)) : null;
+      view = fitted(reach ?? whole ?? box(entitiesOf(state)), width, height, Math.min(48, width / 8));
       fits = true;
       soon();
     },

@@ -92,7 +92,7 @@ export function mountPlayer(element, store) {
   const moment = h(
     'div',
     { class: 'moment' },
-    h('span', {}, 'Line ', facts.line),
+    h('span', {}, 'G-code line ', facts.line),
     h('span', {}, 'Speed ', facts.speed),
     h('span', {}, 'Power ', facts.power),
     h('span', {}, 'Place ', facts.place),
@@ -126,7 +126,7 @@ export function mountPlayer(element, store) {
       if (!motion) return;
       const now = momentAt(motion, s.period);
       scrub.value = String(Math.round(s.period));
-      mark(scrub, 'aria-valuetext', `${now.t_s.toFixed(4)} seconds, line ${now.line}`);
+      mark(scrub, 'aria-valuetext', `${now.t_s.toFixed(4)} seconds, G-code line ${now.line}`);
       say(time, `${now.t_s.toFixed(4)} s of ${motion.duration_s.toFixed(3)} s`);
       say(facts.line, now.line > 0 ? now.line : '–');
       say(facts.speed, `${now.speed_mm_s.toFixed(0)} mm/s`);
