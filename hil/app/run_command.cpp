@@ -11,6 +11,7 @@
 #include "hil/app/drawing_witness.h"
 #include "hil/base/digest.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/file_content.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/cli/run_guarded.h"
 #include "hil/judge/conclude.h"
@@ -52,9 +53,22 @@ scenario::Case caseWithOptions(const fs::path& path, const fs::path& image, cons
   return test_case;
 }
 
-/// Known of the reference controller alone.
-std::optional<double> programPeriod_s(const run::PreparedJob& job) {
-  return job.controller.empty() ? std::nullopt : std::optional(job.target.periodS());
+/// The program that the pins of a recording have followed, as far as it can be known.
+trace::KnownProgram programOf(const scenario::Case& test_case, const fs::path& recording) {
+  trace::KnownProgram program;
+  program.from = trace::ProgramOrigin::kPlanned;
+  try {
+    run::PreparedJob job = run::prepareJob(test_case);
+    program.period_s = run::programPeriod_s(job);
+    program.gcode = std::move(job.gcode);
+  } catch (const std::runtime_error&) {
+    // The pins are there and are judged; without a program the trace only lacks one.
+  }
+  if (auto text = base::fileContent(fs::absolute(recording).parent_path() / judge::kJobFile)) {
+    program.gcode = *std::move(text);
+    program.from = trace::ProgramOrigin::kRecorded;
+  }
+  return program;
 }
 
 constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on by itself
@@ -85,8 +99,10 @@ int replayOne(const Replay& replay, const judge::RunOptions& options) {
   conclusion.spot_frames = live::framesOfReplay(test_case, recording, replay.frames);
   conclusion.folder_name = test_case.scenario.name + "-replay";
   conclusion.firmware = "recording " + recording.filename().string();
-  return live::judgeRecorded(test_case, {sampled, recorded}, std::move(conclusion), options, stopwatch,
-                             console);
+  trace::KnownProgram program;
+  if (options.trace) program = programOf(test_case, recording);
+  return live::judgeRecorded(test_case, {sampled, recorded, std::move(program)}, std::move(conclusion),
+                             options, stopwatch, console);
 }
 
 /// The release, running; says where it is not kept from files and network.
@@ -114,8 +130,13 @@ int runOnTwin(const scenario::Case& test_case, const judge::RunOptions& options,
   const std::string firmware =
       fmt::format("{} ({})", scenario.firmware.image.filename().string(), sourceName(scenario.firmware));
   const std::unique_ptr<trace::RunTrace> traced =
-      trace::tracing({test_case, sampled.machine, info.rate, scenario.name, firmware, info.config_id,
-                      job.gcode, programPeriod_s(job)},
+      trace::tracing({test_case,
+                      sampled.machine,
+                      info.rate,
+                      scenario.name,
+                      firmware,
+                      info.config_id,
+                      {job.gcode, trace::ProgramOrigin::kSent, run::programPeriod_s(job)}},
                      options, console);
   run::ModelOptions model = run::modelOptions(test_case);
   model.onlooker = traced.get();

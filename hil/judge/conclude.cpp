@@ -86,7 +86,7 @@ std::string writePins(const std::filesystem::path& folder, const scenario::Case&
                       const run::RecordedRun& run, const Conclusion& conclusion) {
   std::string sum = source::writeVcd(folder / "pins.vcd", run.recording, test_case.machine.signals);
   base::writeFileAtomically(folder / "scenario.yaml", test_case.scenario.text);
-  if (!conclusion.gcode.empty()) base::writeFileAtomically(folder / "job.gcode", conclusion.gcode);
+  if (!conclusion.gcode.empty()) base::writeFileAtomically(folder / kJobFile, conclusion.gcode);
   return sum;
 }
 

@@ -21,6 +21,9 @@
 
 namespace kerfbench::judge {
 
+/// Name of the program of a run in its results folder.
+inline constexpr const char* kJobFile = "job.gcode";
+
 /// What is concluded from, besides the recording: who ran, what the controller said, and what only people are
 /// shown.
 struct Conclusion {

@@ -74,8 +74,8 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
   model.beside_real_camera = test_case.scenario.cameras.spot.is_real;
   model.witness_sensors = !driven.empty();
   trace::TraceSource traced_source{
-      test_case,           pins.sampled.machine, recorded.rate,   conclusion.folder_name,
-      conclusion.firmware, conclusion.source_id, conclusion.gcode};
+      test_case,           pins.sampled.machine, recorded.rate, conclusion.folder_name,
+      conclusion.firmware, conclusion.source_id, pins.program};
   traced_source.recorded = &recorded;
   const std::unique_ptr<trace::RunTrace> traced = trace::tracing(std::move(traced_source), options, console);
   model.onlooker = traced.get();
@@ -122,6 +122,7 @@ int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge
   conclusion.firmware = "real pins of " + pinsName(firmware);
   LiveSpot spot(test_case, options.results_dir, console);
   source::PinRecording recorded;
+  trace::KnownProgram program{job.gcode, trace::ProgramOrigin::kPlanned, run::programPeriod_s(job)};
   std::string driven;
   if (firmware.gpio.isLive()) {
     LivePins live = runLive(test_case, sampled, pins, job, console);
@@ -129,6 +130,7 @@ int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge
     driven = "; " + drivenWords(live);
     conclusion.firmware_version = std::move(job.controller);
     conclusion.gcode = std::move(job.gcode);
+    program.from = trace::ProgramOrigin::kSent;
     recorded = std::move(live.captured.recording);
   } else {
     recorded = hearPins(test_case, pins, console).recording;
@@ -140,7 +142,8 @@ int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge
   try {
     spot.finish(conclusion, console);
     stopwatch.lap("real pins");
-    return judgeRecorded(test_case, {sampled, recorded}, std::move(conclusion), options, stopwatch, console);
+    return judgeRecorded(test_case, {sampled, recorded, std::move(program)}, std::move(conclusion), options,
+                         stopwatch, console);
   } catch (...) {
     salvageEvidence(test_case, recorded, spot.frames(), options.results_dir, console);
     throw;

@@ -7,6 +7,7 @@
 #include "hil/live/real_pins.h"
 #include "hil/scenario/case.h"
 #include "hil/source/vcd.h"
+#include "hil/trace/run/known_program.h"
 #include "twin/description/imperfections.h"
 
 namespace kerfbench::live {
@@ -15,6 +16,7 @@ namespace kerfbench::live {
 struct PinsOfMachine {
   const twin::SampledMachine& sampled;
   const source::PinRecording& recorded;
+  trace::KnownProgram program{};  ///< Shown in a trace.
 };
 
 /// Twin and judge behind pins that are recorded already. `conclusion` but for what the twin alone knows.

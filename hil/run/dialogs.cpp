@@ -162,6 +162,10 @@ PreparedJob prepareJob(const scenario::Case& test_case) {
   return job;
 }
 
+std::optional<double> programPeriod_s(const PreparedJob& job) {
+  return job.controller.empty() ? std::nullopt : std::optional(job.target.periodS());
+}
+
 void tellRemarks(const PreparedJob& job, base::Console& console) {
   if (!job.dialog) return;
   for (const std::string& remark : job.dialog->remarks()) console.say("  " + remark);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,9 @@ struct PreparedJob {
 /// is started at the machine.
 /// @throws planner::PlanError, std::system_error.
 PreparedJob prepareJob(const scenario::Case& test_case);
+
+/// Period of the controller's program; it is known of the reference controller alone.
+std::optional<double> programPeriod_s(const PreparedJob& job);
 
 /// Tells what the controller said in the job's dialog, if it has one, that is no fault and should be known.
 void tellRemarks(const PreparedJob& job, base::Console& console);

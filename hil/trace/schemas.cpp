@@ -179,6 +179,7 @@ std::string machineSchema() {
            {"web", web()},
            {"dieline", listOf(line)},
            {"gcode", listOf(text())},
+           {"gcode_from", Json{{"enum", Json::array({"sent", "recorded", "planned", nullptr})}}},
            {"belt_mm_s", number()}}));
 }
 

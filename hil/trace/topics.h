@@ -52,8 +52,9 @@ inline constexpr double kBurntSpan_s = 1.0;
 inline constexpr int kOverviewRows = 100;
 /// Lengths of the overview's rows, from /overview/100ms on.
 inline constexpr std::array kOverviewSteps_s{0.1, 1.0, 10.0, 100.0};
-/// Span of the chunks of a finished trace: what a viewer unpacks to show a moment.
-inline constexpr double kFinishedChunk_s = 1.0;
+/// Span of the chunks of a finished trace: what a viewer reads and unpacks to show a moment. Of burnt paths
+/// it shows all that the belt still carries, some tens of seconds of little text.
+constexpr double finishedChunk_s(TopicGroup group) { return group == TopicGroup::kBurnt ? 20.0 : 1.0; }
 /// Name of the file in a results folder.
 inline constexpr const char* kTraceFile = "run.mcap";
 

@@ -119,7 +119,7 @@ class Copier {
     });
     for (const auto& [topic, message] : taken) to_.add(topic, message.log_time_ns, message.data);
     messages_ += taken.size();
-    if (!taken.empty()) to_.flushIfFull(groupOf(taken.back().topic), kFinishedChunk_s);
+    if (!taken.empty()) to_.flushIfFull(groupOf(taken.back().topic));
   }
 
   TraceFile& to_;
@@ -141,15 +141,16 @@ TraceFile::TraceFile(fs::path path, const std::map<std::string, std::string>& ru
 void TraceFile::add(Topic topic, std::uint64_t log_time_ns, std::string_view json) {
   chunkOf(groupOf(topic)).add(channelOf(topic), log_time_ns, json);
   last_ns_.at(static_cast<std::size_t>(groupOf(topic))) = log_time_ns;
+  if (topic == Topic::kMachine) flush(TopicGroup::kMachine);
 }
 
 void TraceFile::flush(TopicGroup group) { writer_.write(chunkOf(group)); }
 
-void TraceFile::flushIfFull(TopicGroup group, double span_s) {
+void TraceFile::flushIfFull(TopicGroup group) {
   const McapChunk& chunk = chunkOf(group);
   if (chunk.empty()) return;
   const double held_s = seconds(last_ns_.at(static_cast<std::size_t>(group))) - seconds(chunk.firstTime_ns());
-  if (held_s >= span_s || chunk.size() >= kFullChunk_bytes) flush(group);
+  if (held_s >= finishedChunk_s(group) || chunk.size() >= kFullChunk_bytes) flush(group);
 }
 
 void TraceFile::addMetadata(const std::string& name, const std::map<std::string, std::string>& values) {

@@ -20,11 +20,12 @@ class TraceFile {
   /// @throws std::system_error with the path, as the others.
   TraceFile(std::filesystem::path path, const std::map<std::string, std::string>& run);
 
+  /// The machine is on the disk when it returns: whatever cuts the file off, what is left of it can be shown.
   void add(Topic topic, std::uint64_t log_time_ns, std::string_view json);
   /// Appends what a group has.
   void flush(TopicGroup group);
-  /// Appends what a group has, if it holds more than `span_s` or kFullChunk_bytes.
-  void flushIfFull(TopicGroup group, double span_s);
+  /// Appends what a group has, if it holds more than finishedChunk_s() or kFullChunk_bytes.
+  void flushIfFull(TopicGroup group);
   void addMetadata(const std::string& name, const std::map<std::string, std::string>& values);
   void addAttachment(const std::string& name, const std::string& media_type, std::string_view data);
   /// The rest, and the end.
@@ -77,7 +78,7 @@ struct Copied {
 };
 
 /// Copies the messages of a trace of ours into another: all whole chunks, also of one that was cut off (a run
-/// that was killed, a disk that was full), or those of a part. Chunks are made anew, of about a second;
+/// that was killed, a disk that was full), or those of a part. Chunks are made anew, of finishedChunk_s();
 /// metadata and attachments go along. Of a part: the machine, the checks, all messages that hold anything of
 /// it, and the line of the program before. A chunk that is not sound is left out. @throws std::system_error,
 /// McapError if it is no MCAP file.

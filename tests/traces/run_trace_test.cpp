@@ -22,6 +22,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/trace/mcap_reader.h"
+#include "hil/trace/run/trace_scenes.h"
 #include "hil/trace/trace_file.h"
 #include "tests/scenarios/scenario_runs.h"
 
@@ -98,6 +99,23 @@ class RunTrace : public testing::Test {
   static const Messages& messages() {
     static const Messages all = messagesIn(traceOf("two"));
     return all;
+  }
+  static Messages replayOf(const fs::path& recording, const std::string& name) {
+    const ProgramRun replay = kerfbench(fmt::format(
+        "replay '{}' --scenario '{}' --no-pictures --twin fast --trace --output '{}' -j 2",
+        recording.string(), fixture("scenarios/native/label-on-belt.yaml").string(), folder(name).string()));
+    EXPECT_EQ(replay.exit_code, 0) << replay.output;
+    return messagesIn(traceOf(name));
+  }
+  static void expectTheSameProgram(const Messages& again, const std::string& from) {
+    const json& machine = again.at("/machine").front().content;
+    const json& sent = messages().at("/machine").front().content;
+    EXPECT_EQ(sent.at("gcode_from"), "sent");
+    EXPECT_EQ(machine.at("gcode_from"), from);
+    EXPECT_EQ(machine.at("gcode"), sent.at("gcode"));
+    EXPECT_EQ(machine.at("period_s"), sent.at("period_s"));
+    EXPECT_EQ(column(again, "/gcode", "line"), column(messages(), "/gcode", "line"));
+    EXPECT_EQ(column(again, "/gcode", "t_s"), column(messages(), "/gcode", "t_s"));
   }
   static ScratchFolder* scratch_;
   static std::string output_;
@@ -252,16 +270,11 @@ TEST_F(RunTrace, TheOverviewCountsTheSameEdges) {
   }
 }
 
-TEST_F(RunTrace, AReplayHasTheSamePinsAndTheControllersWords) {
-  const fs::path replayed = folder("replay");
-  const ProgramRun replay = kerfbench(
-      fmt::format("replay '{}' --scenario '{}' --no-pictures --twin fast --trace --output '{}' -j 2",
-                  (folder("two") / "pins.vcd").string(),
-                  fixture("scenarios/native/label-on-belt.yaml").string(), replayed.string()));
-  ASSERT_EQ(replay.exit_code, 0) << replay.output;
-  const Messages again = messagesIn(replayed / trace::kTraceFile);
+TEST_F(RunTrace, AReplayHasTheSamePinsTheControllersWordsAndTheProgramBesideIt) {
+  const Messages again = replayOf(folder("two") / "pins.vcd", "replay");
   EXPECT_EQ(column(again, "/pins", "dt").size(), column(messages(), "/pins", "dt").size());
   EXPECT_EQ(column(again, "/motion", "spot_x_mm").size(), column(messages(), "/motion", "spot_x_mm").size());
+  expectTheSameProgram(again, "recorded");
   const auto heard = [](const Messages& all) {
     std::string hex;
     for (const Message& message : all.at("/uart"))
@@ -269,6 +282,37 @@ TEST_F(RunTrace, AReplayHasTheSamePinsAndTheControllersWords) {
     return hex;
   };
   EXPECT_EQ(heard(again), heard(messages()));
+}
+
+// The program is what people look for first in the trace of a fault; a recording alone has none.
+TEST_F(RunTrace, AReplayOfARecordingAloneShowsTheProgramThatIsPlannedAnew) {
+  const fs::path alone = scratch_->path() / "alone" / "pins.vcd";
+  fs::create_directories(alone.parent_path());
+  fs::copy_file(folder("two") / "pins.vcd", alone);
+  expectTheSameProgram(replayOf(alone, "planned"), "planned");
+}
+
+TEST_F(RunTrace, IsFilmedAsItsRowsHaveIt) {
+  const trace::TraceScenes scenes(traceOf("two"), {3.0, 4.0});
+  const std::vector<double> t_s = column(messages(), "/motion", "t_s");
+  const std::vector<double> x_mm = column(messages(), "/motion", "spot_x_mm");
+  const std::vector<double> lit = column(messages(), "/motion", "lit");
+  std::size_t looked = 0;
+  for (std::size_t i = 0; i < t_s.size(); i += 97) {
+    if (t_s[i] < 3.0 || t_s[i] > 4.0 || std::isnan(x_mm[i])) continue;
+    const twin::Scene scene = scenes.at(t_s[i]);
+    ASSERT_FALSE(scene.beam.empty());
+    EXPECT_NEAR(scene.beam.back().p_W_mm.x(), x_mm[i], 1e-6);
+    EXPECT_EQ(scene.beam_on, lit[i] > 0.5);
+    ++looked;
+  }
+  EXPECT_GT(looked, 10U);
+  const auto burnt = [&](double time_s) {
+    std::size_t points = 0;
+    for (const auto& path : scenes.at(time_s).burnt) points += path.size();
+    return points;
+  };
+  EXPECT_LT(burnt(3.0), burnt(3.9));
 }
 
 /// A run in the background that is killed when this ends, if it still runs.

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { burntFrom, segmentsOf } from '../src/machine/burnt_paths.js';
-import { aroundOne, sideBySide, windowOf } from '../src/panels/frames_panel.js';
+import { aroundOne, sideBySide, windowOf } from '../src/panels/frames_drawing.js';
 import { speedOf, spotSpeed, thinned } from '../src/panels/series.js';
 import { joinedPins } from '../src/trace/pins.js';
 import { lastUpTo, momentOf } from '../src/trace/rows.js';

@@ -49,10 +49,12 @@ console.log(`opened ${(opened.opened - opened.script).toFixed(0)} ms after it wa
 /** To random moments, until the machine, pins and all else stand at them. */
 async function scrub(times, words) {
   const before_ms = await cpu_ms();
+  const before = { ...asked };
   const took = await page.run(`async (times) => {
     const v = document.querySelector('.viewer').viewer;
     const { to } = v.timeline.get().extent;
     const took = [];
+    const unpacked = v.trace.file.work?.chunks;
     for (const share of times) {
       const t_s = share * to;
       const from_ms = performance.now();
@@ -60,9 +62,11 @@ async function scrub(times, words) {
       while (v.trace.details.waiting || !v.trace.motionAt(t_s) || v.machine.view.motion?.belt_mm !== v.trace.motionAt(t_s).belt_mm) await new Promise((r) => setTimeout(r));
       took.push(performance.now() - from_ms);
     }
-    return { took: took.sort((a, b) => a - b), bytes: v.trace.details.bytes };
+    return { took: took.sort((a, b) => a - b), bytes: v.trace.details.bytes, chunks: v.trace.file.work?.chunks - unpacked };
   }`, times);
   const share = (p) => took.took[Math.floor(p * (took.took.length - 1))].toFixed(0);
+  const each = (sum) => (sum / times.length).toFixed(1);
+  console.log(`${words}: ${each(asked.requests - before.requests)} requests, ${each((asked.bytes - before.bytes) / 1e3)} kB, ${each(took.chunks)} chunks each`);
   console.log(`${words}: median ${share(0.5)} ms, 90 % ${share(0.9)} ms, worst ${share(1)} ms, CPU ${(((await cpu_ms()) - before_ms) / times.length).toFixed(0)} ms each; ${(took.bytes / 1e6).toFixed(0)} MB of details in memory`);
 }
 const next = numbers(7);

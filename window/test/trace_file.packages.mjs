@@ -133,6 +133,70 @@ test('a damaged chunk is told, and all others are shown', async () => {
   assert.ok(Math.abs(trace.motionAt(4.2).belt_mm - 252) < 1e-9);
 });
 
+/** A minute in chunks of a second, motion and pins in turn as a run writes them. */
+const minute = madeTrace([[{ topic: '/machine', time_s: 0, json: machine }], ...Array.from({ length: 120 }, (_, i) => {
+  const t_s = [0.25, 0.5, 0.75].map((share) => (i >> 1) + share);
+  return [i % 2 ? { topic: '/pins', time_s: t_s[0], json: { tick0: 0, dt: [0], id: [0], level: [1] } } : { topic: '/motion', time_s: t_s[0], json: { t_s, belt_mm: t_s } }];
+})]);
+
+test('chunks that lie together are read by one request, and no more of the file than them', async () => {
+  const file = await TraceFile.open(new BytesReadable(minute));
+  const details = new Details(file);
+  for (const topic of ['/motion', '/pins']) details.peek(topic, 30.2, 30.6);
+  await details.wait('/motion', 30.2, 30.6);
+  const { length } = file.chunks[file.chunksOf('/pins', 30.2, 30.6)[0]];
+  assert.equal(file.work.requests, 1);
+  assert.equal(file.work.chunks, 2);
+  assert.ok(file.work.bytes < 3 * length, `${file.work.bytes} bytes for two chunks of about ${length}`);
+  assert.ok(details.peek('/pins', 30.2, 30.6).complete);
+});
+
+test('what is looked at last is read, and wishes that were overtaken are given up', async () => {
+  /** Answers when it is told to, so that wishes pile up meanwhile. */
+  const below = new BytesReadable(minute);
+  let held = [];
+  const slow = { size: () => below.size(), read: (...span) => new Promise((go) => held.push(() => go(below.read(...span)))) };
+  const answer = () => { for (const go of held.splice(0)) go(); };
+  const turn = () => new Promise((go) => setImmediate(go));
+  /** @type {TraceFile | undefined} */
+  let file;
+  void TraceFile.open(slow).then((opened) => (file = opened));
+  while (!file) {
+    answer();
+    await turn();
+  }
+  // Nothing lies together: each chunk is a request of its own.
+  file.runsOf = (indexes) => indexes.map((index) => [index]);
+  file.readable.readOnce = (...span) => slow.read(...span);
+  const details = new Details(file);
+  const looks = (s) => details.peek('/motion', s + 0.2, s + 0.6);
+  for (let s = 0; s < 6; ++s) looks(s);
+  await turn();
+  assert.equal(held.length, 6, 'requests that are under way');
+  for (let round = 0; round < 3; ++round) for (let s = 6; s < 59; ++s) looks(s);
+  for (const index of file.chunksOf('/pins')) void details.peekPart('/pins', index);
+  looks(59);
+  const needed = details.wait('/motion', 10.2, 10.6);
+  await turn();
+  for (let round = 0; round < 200 && details.waiting; ++round) {
+    answer();
+    await turn();
+  }
+  assert.equal(details.waiting, false);
+  assert.ok(looks(59).complete, 'the last that was looked at');
+  assert.equal((await needed).length, 1, 'what somebody waits for is not given up');
+  assert.ok(file.work.chunks < 100, `${file.work.chunks} of 121 chunks were read`);
+});
+
+test('cut off behind its first chunk a trace still shows its machine', async () => {
+  const { chunks: [first] } = await TraceFile.open(new BytesReadable(bytes));
+  const trace = await open(bytes.subarray(0, first.offset + first.length));
+  assert.deepEqual(trace.machine, machine);
+  assert.equal(trace.file.complete, false);
+  assert.equal(trace.motionAt(0), undefined);
+  assert.deepEqual(trace.extent_s, { from: 0, to: 0 });
+});
+
 test('memory stays within its bound, and what was forgotten comes again', async () => {
   const file = await TraceFile.open(new BytesReadable(bytes));
   const limit = 100_000;
@@ -149,12 +213,13 @@ test('memory stays within its bound, and what was forgotten comes again', async 
 test('all ways to the bytes give the same bytes', async () => {
   const blob = new BlobReadable(new Blob([bytes]));
   const cached = new BlockCache(new BytesReadable(bytes));
+  const once = { read: (offset, length) => cached.readOnce(offset, length) };
   const next = numbers(44);
   for (let round = 0; round < 100; ++round) {
     const offset = Math.floor(bytes.length * next());
     const length = Math.floor((bytes.length - offset) * next() ** 3);
     const wanted = Buffer.from(bytes.subarray(offset, offset + length));
-    for (const way of [blob, cached]) assert.ok(wanted.equals(await way.read(BigInt(offset), BigInt(length))));
+    for (const way of [once, blob, cached, once]) assert.ok(wanted.equals(await way.read(BigInt(offset), BigInt(length))));
   }
   await assert.rejects(cached.read(BigInt(bytes.length - 1), 2n), RangeError);
 });

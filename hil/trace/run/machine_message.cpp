@@ -6,12 +6,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <variant>
 
 #include "hil/dieline/geometry.h"
 #include "hil/evidence/pin_evidence.h"
 #include "hil/judge/machine_pictures.h"
 #include "hil/judge/pin_wiring.h"
+#include "hil/trace/run/moving_scene_json.h"
 #include "twin/scene/moving_scene.h"
 
 namespace kerfbench::trace {
@@ -21,115 +21,21 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDielineChord_mm = 0.01;
 
-Json list(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
-Json list(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Json indexOrNull(int index) { return index < 0 ? Json() : Json(index); }
+Json pairOf(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
 
-const char* nameOf(twin::Material material) {
-  static constexpr std::array kNames{"steel",     "aluminium", "paint",  "dark",   "belt",
-                                     "belt_hole", "board",     "print",  "mirror", "glass",
-                                     "tube",      "axis_x",    "axis_y", "axis_z", "light"};
-  return kNames.at(static_cast<std::size_t>(material));
+const char* nameOf(ProgramOrigin origin) {
+  static constexpr std::array kNames{"sent", "recorded", "planned"};
+  return kNames.at(static_cast<std::size_t>(origin));
 }
 
-Json shapeOf(const twin::ScenePart& part) {
-  struct Visitor {
-    Json operator()(const twin::Box& box) const {
-      return {{"box", {{"size_mm", list(box.size_mm)}, {"edge_radius_mm", box.edge_radius_mm}}}};
-    }
-    Json operator()(const twin::Cylinder& c) const {
-      return {{"cylinder", {{"radius_mm", c.radius_mm}, {"length_mm", c.length_mm}, {"bore_mm", c.bore_mm}}}};
-    }
-    Json operator()(const twin::Disc& disc) const {
-      return {{"disc", {{"radius_mm", list(disc.radius_mm)}, {"thickness_mm", disc.thickness_mm}}}};
-    }
-    Json operator()(const twin::Cone& cone) const {
-      return {{"cone", {{"radius_mm", cone.radius_mm}, {"length_mm", cone.length_mm}}}};
-    }
-  };
-  return std::visit(Visitor{}, part.shape);
-}
-
-Json poseOf(const Eigen::Isometry3d& X) {
-  const Eigen::Quaterniond q(X.linear());
-  const Eigen::Vector3d p = X.translation();
-  return {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
-}
-
-Json partOf(const twin::MovingPart& moving) {
-  Json part{{"name", moving.part.name},
-            {"material", nameOf(moving.part.material)},
-            {"body", indexOrNull(moving.body)},
-            {"pose", poseOf(moving.part.X_WP)},
-            {"shape", shapeOf(moving.part)}};
-  if (moving.count > 1) part["repeat"] = {{"count", moving.count}, {"step_mm", list(moving.step_mm)}};
-  const Json ends{moving.shown.ends.min_x_mm, moving.shown.ends.max_x_mm};
-  if (moving.shown.how == twin::ShownOnBelt::How::kCut) part["clip"] = {{"cut_x_mm", ends}};
-  if (moving.shown.how == twin::ShownOnBelt::How::kWholeWithin)
-    part["clip"] = {{"within_x_mm", ends}, {"at_mm", list(moving.shown.point_mm)}};
-  return part;
-}
-
-Json jointOf(const twin::SceneJoint& joint) {
-  Json json{{"kind", joint.kind == twin::SceneJoint::Kind::kSlide ? "slide" : "turn"},
-            {"axis", list(joint.axis)},
-            {"origin_mm", list(joint.origin_mm)},
-            {"by", twin::poseColumnName(joint.by)},
-            {"scale", joint.scale}};
-  if (joint.wrap_mm > 0.0) json["wrap_mm"] = joint.wrap_mm;
-  return json;
-}
-
-Json cornerOf(const twin::BeamCorner& corner) {
-  Json json;
-  switch (corner.kind) {
-    case twin::BeamCorner::Kind::kRides:
-      json = {{"at_mm", list(corner.p_W_mm)}, {"body", indexOrNull(corner.index)}};
-      if (!corner.direction.isZero()) json["direction"] = list(corner.direction);
-      break;
-    case twin::BeamCorner::Kind::kMirror:
-      json = {{"mirror", corner.index}};
-      break;
-    case twin::BeamCorner::Kind::kPlane:
-      json = {{"plane", {{"at_mm", list(corner.p_W_mm)}, {"normal", list(corner.direction)}}}};
-      break;
-  }
-  json["radius_mm"] = corner.radius_mm;
-  return json;
-}
-
-Json viewOf(const Eigen::Vector3d& min_mm, const Eigen::Vector3d& max_mm, int body,
-            const Eigen::Vector3d& look) {
-  return {{"min_mm", list(min_mm)},
-          {"max_mm", list(max_mm)},
-          {"body", indexOrNull(body)},
-          {"look", look.isZero() ? Json() : list(look)}};
-}
-
-void addMovingScene(const twin::MovingScene& scene, const twin::ControllerDescription& told, Json& json) {
-  Json bodies = Json::array();
-  for (const twin::SceneBody& body : scene.bodies) {
-    Json joints = Json::array();
-    for (const twin::SceneJoint& joint : body.joints) joints.push_back(jointOf(joint));
-    bodies.push_back({{"name", body.name}, {"parent", indexOrNull(body.parent)}, {"joints", joints}});
-  }
-  Json parts = Json::array();
-  for (const twin::MovingPart& part : scene.parts) parts.push_back(partOf(part));
-  Json from = Json::array();
-  for (const twin::BeamCorner& corner : scene.beam) from.push_back(cornerOf(corner));
-  json["bodies"] = bodies;
-  json["parts"] = parts;
-  json["beam"] = {{"from", from}, {"spot_radius_mm", scene.spot_radius_mm}};
-  const Eigen::Vector3d field_min(told.field_min_mm[0], told.field_min_mm[1], 0.0);
-  const Eigen::Vector3d field_max(told.field_max_mm[0], told.field_max_mm[1], 0.0);
-  const auto view = [](const twin::SceneBox& box) {
-    return viewOf(box.box_mm.min(), box.box_mm.max(), box.body, box.look);
-  };
-  json["views"] = {{"overall", view(scene.overall)},
-                   {"head", view(scene.head)},
-                   {"sheet", viewOf(field_min, field_max, -1, -Eigen::Vector3d::UnitZ())}};
-  json["field"] = {{"min_mm", list(Eigen::Vector2d(field_min.head<2>()))},
-                   {"max_mm", list(Eigen::Vector2d(field_max.head<2>()))}};
+void addFieldOf(const twin::ControllerDescription& told, Json& json) {
+  const Eigen::Vector2d min_mm(told.field_min_mm[0], told.field_min_mm[1]);
+  const Eigen::Vector2d max_mm(told.field_max_mm[0], told.field_max_mm[1]);
+  json["views"]["sheet"] = {{"min_mm", {min_mm.x(), min_mm.y(), 0.0}},
+                            {"max_mm", {max_mm.x(), max_mm.y(), 0.0}},
+                            {"body", Json()},
+                            {"look", {0.0, 0.0, -1.0}}};
+  json["field"] = {{"min_mm", pairOf(min_mm)}, {"max_mm", pairOf(max_mm)}};
 }
 
 Json idOrNull(const WiredSignals& signals, Signal signal) {
@@ -175,14 +81,15 @@ Json webFacts(const twin::WebDescription& web, const Eigen::AlignedBox2d& unit) 
   for (const RegistrationMark& mark : web.print.marks)
     marks.push_back(
         {{"x_mm", mark.p_SM_mm.x()}, {"y_mm", mark.p_SM_mm.y()}, {"diameter_mm", mark.diameter_mm}});
-  return {{"start_x_mm", web.start_x_mm},
-          {"pitch_mm", web.print.pitch_mm},
-          {"units", web.print.units},
-          {"thickness_mm", web.board.thickness_mm},
-          {"unit",
-           {{"min_mm", list(Eigen::Vector2d(unit.min()))}, {"max_mm", list(Eigen::Vector2d(unit.max()))}}},
-          {"marks", marks},
-          {"eye_mark", {{"x_mm", web.print.eye_mark_x_mm}, {"length_mm", web.print.eye_mark_length_mm}}}};
+  return {
+      {"start_x_mm", web.start_x_mm},
+      {"pitch_mm", web.print.pitch_mm},
+      {"units", web.print.units},
+      {"thickness_mm", web.board.thickness_mm},
+      {"unit",
+       {{"min_mm", pairOf(Eigen::Vector2d(unit.min()))}, {"max_mm", pairOf(Eigen::Vector2d(unit.max()))}}},
+      {"marks", marks},
+      {"eye_mark", {{"x_mm", web.print.eye_mark_x_mm}, {"length_mm", web.print.eye_mark_length_mm}}}};
 }
 
 /// Points of a curve, no chord farther from it than the limit. A circle of radius r needs chords of
@@ -243,7 +150,7 @@ std::string machineMessage(const MachineFacts& facts) {
             {"scenario", test_case.scenario.name},
             {"title", test_case.scenario.title},
             {"tick_hz", static_cast<double>(facts.rate.den) / static_cast<double>(facts.rate.num)},
-            {"period_s", facts.period_s ? Json(*facts.period_s) : Json()},
+            {"period_s", facts.program.period_s ? Json(*facts.program.period_s) : Json()},
             {"quantum_s", facts.quantum_s},
             {"time_limit_s", test_case.scenario.time_limit_s},
             {"signals", signalsOf(facts.signals)},
@@ -263,10 +170,12 @@ std::string machineMessage(const MachineFacts& facts) {
     columns.push_back(twin::poseColumnName(column));
   for (const char* name : {"spot_x_mm", "spot_y_mm", "spot_z_mm", "power_w", "lit"}) columns.push_back(name);
   json["columns"] = columns;
-  addMovingScene(twin::movingScene(machine, web, content), machine.controller, json);
+  json.update(jsonOf(twin::movingScene(machine, web, content)));
+  addFieldOf(machine.controller, json);
   json["web"] = webFacts(web, unit);
   json["dieline"] = dielineOf(*test_case.dieline);
-  json["gcode"] = linesOf(facts.gcode);
+  json["gcode"] = linesOf(facts.program.gcode);
+  json["gcode_from"] = facts.program.gcode.empty() ? Json() : Json(nameOf(facts.program.from));
   json["belt_mm_s"] = test_case.scenario.belt_speed_mm_s;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "hil/scenario/case.h"
+#include "hil/trace/run/known_program.h"
 #include "hil/trace/run/wired_signals.h"
 #include "twin/base/pin_event.h"
 #include "twin/description/imperfections.h"
@@ -18,8 +18,7 @@ struct MachineFacts {
   const WiredSignals& signals;
   TickRate rate;
   double quantum_s{};
-  std::optional<double> period_s{};  ///< Period of the controller's program.
-  std::string gcode{};               ///< Empty: not known.
+  const KnownProgram& program;
 };
 /// The message.
 std::string machineMessage(const MachineFacts& facts);

@@ -139,21 +139,20 @@ void RunTrace::begins(const run::MachineState& state, TickRate rate) {
     file_->add(topic, nanoseconds(from_s), json);
   };
   const std::size_t wires = signals.signals().size();
-  parts_.reset(new Parts{.rate = rate,
-                         .columns = columns,
-                         .signals = std::move(signals),
-                         .surface = twin::Surface(source_.machine.surface),
-                         .start_mm = {scenario::webOn(source_.machine, test_case).start_x_mm, 0.0},
-                         .lit_w = kLitShare * source_.machine.laser.full_power_w,
-                         .motion = MotionBatch(columns),
-                         .steps = evidence::StepCounter::from(wiring),
-                         .place_of_steps = judge::placeOfSteps(test_case),
-                         .follower = ProgramFollower(source_.gcode, {job.units, job.pitch_mm, job.alternate}),
-                         .overview = Overview(overviewColumns(columns), wires, overview)});
+  parts_.reset(
+      new Parts{.rate = rate,
+                .columns = columns,
+                .signals = std::move(signals),
+                .surface = twin::Surface(source_.machine.surface),
+                .start_mm = {scenario::webOn(source_.machine, test_case).start_x_mm, 0.0},
+                .lit_w = kLitShare * source_.machine.laser.full_power_w,
+                .motion = MotionBatch(columns),
+                .steps = evidence::StepCounter::from(wiring),
+                .place_of_steps = judge::placeOfSteps(test_case),
+                .follower = ProgramFollower(source_.program.gcode, {job.units, job.pitch_mm, job.alternate}),
+                .overview = Overview(overviewColumns(columns), wires, overview)});
   file_->add(Topic::kMachine, 0,
-             machineMessage({test_case, source_.machine, parts_->signals, rate, kRow_s, source_.period_s,
-                             source_.gcode}));
-  file_->flush(TopicGroup::kMachine);
+             machineMessage({test_case, source_.machine, parts_->signals, rate, kRow_s, source_.program}));
   if (parts_->steps) parts_->placed_mm = parts_->place_of_steps(Eigen::Vector2d::Zero());
   takeRow(state);
 }
@@ -341,14 +340,14 @@ void RunTrace::addJudgement(const report::RunReport& report, TraceFile& whole) c
   const auto take = [&whole](Topic topic) {
     return [&whole, topic](double time_s, const std::string& json) {
       whole.add(topic, nanoseconds(time_s), json);
-      whole.flushIfFull(groupOf(topic), kFinishedChunk_s);
+      whole.flushIfFull(groupOf(topic));
     };
   };
   spotMessages(report, pixel, take(Topic::kSpot));
   whole.flush(TopicGroup::kCamera);
   frames_.forEach([&](std::uint64_t time_ns, std::string_view json) {
     whole.add(Topic::kFrames, time_ns, json);
-    whole.flushIfFull(TopicGroup::kCamera, kFinishedChunk_s);
+    whole.flushIfFull(TopicGroup::kCamera);
   });
   checkMessages(report, take(Topic::kChecks));
 }
@@ -364,7 +363,8 @@ void RunTrace::finish(report::RunReport& report, const report::Digests& digests,
     throw McapError(fmt::format("{}, {}", source_.part.string(), copied.problems.front()));
   addJudgement(report, whole);
   whole.addAttachment("scenario.yaml", "application/yaml", source_.test_case.scenario.text);
-  if (!source_.gcode.empty()) whole.addAttachment("job.gcode", "text/plain", source_.gcode);
+  const std::string& gcode = source_.program.gcode;
+  if (!gcode.empty()) whole.addAttachment("job.gcode", "text/plain", gcode);
   whole.addMetadata("verdict", {{"verdict", std::string(inspect::verdictName(report.result.verdict))},
                                 {"digest", digests.results},
                                 {"end_s", fmt::format("{}", report.virtual_s)}});

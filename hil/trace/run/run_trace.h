@@ -22,6 +22,7 @@
 #include "hil/source/vcd.h"
 #include "hil/trace/run/burnt_path.h"
 #include "hil/trace/run/kept_frames.h"
+#include "hil/trace/run/known_program.h"
 #include "hil/trace/run/motion_batch.h"
 #include "hil/trace/run/overview.h"
 #include "hil/trace/run/program_follower.h"
@@ -39,8 +40,7 @@ struct TraceSource {
   std::string folder_name;  ///< Folder of its results, below the results folder.
   std::string firmware;     ///< For people.
   std::string source_id;
-  std::string gcode;                 ///< The program of one unit; empty: not known.
-  std::optional<double> period_s{};  ///< Period of the controller's program.
+  KnownProgram program;
   const source::PinRecording*
       recorded{};      ///< The recording of a replay: what no lockstep tells of it, sensors and words.
   int frames_every{};  ///< Every Nth frame of the spot camera is kept; 0: none.

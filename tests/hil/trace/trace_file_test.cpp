@@ -59,7 +59,6 @@ class TraceFileTest : public testing::Test {
     const fs::path path = temp_.path() / "run.mcap.part";
     TraceFile file(path, {{"scenario", "s"}, {"version", "9.9"}});
     file.add(Topic::kMachine, 0, "{}");
-    file.flush(TopicGroup::kMachine);
     for (int i = 0; i < batches; ++i) {
       const std::uint64_t time_ns = static_cast<std::uint64_t>(i) * 20 * kMs;
       file.add(Topic::kMotion, time_ns, fmt::format("{{\"batch\":{}}}", i));
@@ -189,6 +188,36 @@ TEST_F(TraceFileTest, AFinishedTraceHasChunksOfASecond) {
   EXPECT_TRUE(info.whole);
   EXPECT_EQ(info.chunks, 1U + 2 * 4U);
   EXPECT_EQ(info.topics.at(1).messages, 200U);
+}
+
+TEST_F(TraceFileTest, BurntPathsOfAFinishedTraceLieTogetherForTwentySeconds) {
+  const fs::path path = temp_.path() / "run.mcap";
+  TraceFile file(path, {});
+  for (std::uint64_t s = 0; s < 63; ++s) {
+    file.add(Topic::kBurnt, s * 1000 * kMs, "{}");
+    file.flushIfFull(TopicGroup::kBurnt);
+  }
+  file.close();
+  EXPECT_EQ(traceInfo(path).chunks, 3U);
+}
+
+// A viewer can show nothing without the machine: a finished trace that is cut off, while it is copied or on a
+// broken disk, must not have it at its end.
+TEST_F(TraceFileTest, CutOffBehindItsFirstChunkAFinishedTraceStillHasTheMachine) {
+  const fs::path whole = temp_.path() / "whole.mcap";
+  for (const bool is_clip : {false, true}) {
+    rewriteTrace(growing(400), whole, is_clip ? TraceSpan{3.0, 5.0} : TraceSpan{});
+    McapReader reader(whole);
+    auto record = reader.next();
+    while (record && record->op != McapOp::kChunk) record = reader.next();
+    ASSERT_TRUE(record);
+    const std::uint64_t end = record->offset + kRecordHead_bytes + record->content.size();
+    const fs::path cut = temp_.write("cut.mcap", base::contentOf(whole).substr(0, end));
+    ASSERT_EQ(messagesIn(cut).size(), 1U);
+    EXPECT_EQ(messagesIn(cut).front().topic, "/machine");
+    rewriteTrace(cut, temp_.path() / "recovered.mcap");
+    EXPECT_EQ(of("/machine", messagesIn(temp_.path() / "recovered.mcap")).size(), 1U);
+  }
 }
 
 TEST_F(TraceFileTest, NoTraceIsReadAndWrittenAtOnce) {

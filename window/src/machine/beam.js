@@ -51,7 +51,9 @@ export class Beam {
     this.off.material.uniforms.least_px.value = 3;
     this.spot = new Sprite(new SpriteMaterial({ map: glow(), blending: AdditiveBlending, depthTest: false, depthWrite: false, transparent: true }));
     this.lamp = new PointLight(new Color(1, 0.42, 0.12), 0, 0, 2);
-    this.group.add(this.lit, this.off, this.spot, this.lamp);
+    this.mark = new Sprite(new SpriteMaterial({ map: ring(), depthTest: false, depthWrite: false, transparent: true, toneMapped: false }));
+    this.mark.renderOrder = 2;
+    this.group.add(this.lit, this.off, this.spot, this.lamp, this.mark);
   }
 
   /** @param {Color} colour */
@@ -89,7 +91,10 @@ export class Beam {
     const end = points[points.length - 1];
     this.spot.visible = on && atBoard;
     this.lamp.intensity = on && atBoard ? share * 2.5 * size_mm * size_mm : 0;
+    this.mark.visible = atBoard && Boolean(end);
     if (!end) return;
+    this.mark.position.set(end[0], end[1], end[2] + 0.3);
+    this.mark.scale.setScalar(0.8 * size_mm);
     this.spot.position.set(end[0], end[1], end[2] + 0.3);
     this.lamp.position.set(end[0], end[1], end[2] + 0.35 * size_mm);
     const glowSize = size_mm * (0.7 + 0.3 * Math.sqrt(Math.min(1, share)));
@@ -123,6 +128,21 @@ export class Beam {
     const ratio = height_px / (2 * Math.tan((fov_deg * Math.PI) / 360));
     for (const mesh of [this.lit, this.off]) mesh.material.uniforms.pixelRatio_px.value = ratio;
   }
+}
+
+/** Where the beam meets the board, lit or not: a dark ring with a light hem is seen on anything. */
+function ring() {
+  const canvas = document.createElement('canvas');
+  canvas.width = canvas.height = 128;
+  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
+  for (const [colour, width] of /** @type {[string, number][]} */ ([['rgba(255,255,255,0.75)', 13], ['#1c6fd1', 7]])) {
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.beginPath();
+    context.arc(64, 64, 54, 0, 7);
+    context.stroke();
+  }
+  return new CanvasTexture(canvas);
 }
 
 /** A soft round light. */

@@ -17,7 +17,8 @@ export function gcodePanel({ body, tools, trace, timeline }) {
     update: (element, { line }) => mark(element, 'aria-current', line === current ? 'true' : null),
   });
   list.give(trace.machine.gcode.map((text, i) => ({ text, line: i + 1 })));
-  if (!trace.machine.gcode.length) body.append(h('p', { class: 'tv-empty' }, 'This trace has no program.'));
+  const note = noteOf(trace.machine);
+  if (note) body.append(h('p', { class: trace.machine.gcode.length ? 'tv-note mute' : 'tv-empty' }, note));
 
   async function jump(/** @type {number} */ line) {
     const { t_s } = timeline.get();
@@ -37,6 +38,12 @@ export function gcodePanel({ body, tools, trace, timeline }) {
   update();
   const stop = [timeline.subscribe((state, before) => state.t_s !== before.t_s && update()), trace.onLoad(update)];
   return { current: () => current, close: () => { for (const end of stop) end(); list.close(); } };
+}
+
+/** What must be known of the program, or why there is none. @param {import('../trace/machine.js').Machine} machine */
+function noteOf({ gcode, gcode_from }) {
+  if (!gcode.length) return 'The program of this run is not known: the controller ran a job of its own, or its pins were recorded without it.';
+  return gcode_from === 'planned' ? 'Planned anew from the scenario: what the recorded controller was sent is not known.' : '';
 }
 
 /** When a line next begins after a time. @param {import('../trace/trace.js').Trace} trace @param {number} line @param {number} after_s */

@@ -10,11 +10,13 @@ import { pinTableOf, tableOf } from './tables.js';
  * @typedef {import('./file.js').TraceFile} TraceFile
  * @typedef {import('./records.js').Message} Message
  * @typedef {{messages: Map<string, Message[]>, decoded: Map<string, unknown>, bytes: number}} Loaded
+ * @typedef {{index: number, needed: boolean, come: Promise<void>, done: () => void}} Wish a chunk that is to be read
  */
 
 /** An unpacked chunk and its tables take about this much for each of its bytes. */
 const kBytesForByte = 2.5;
-const kAtOnce = 6;
+const kAtOnce = 6; // Requests.
+const kTogether = 64; // Wishes that are looked at for what lies together: more than all views have at one moment.
 
 /** @type {Record<string, (messages: Message[]) => unknown>} */
 const decoders = {
@@ -30,14 +32,15 @@ const plain = (/** @type {Message[]} */ messages) => messages.map((message) => j
 export class Details {
   /** @type {Map<number, Loaded>} the latest used last */
   #loaded = new Map();
-  /** @type {Map<number, Promise<void>>} */
+  /** @type {Map<number, Wish>} */
   #coming = new Map();
   /** @type {Map<number, Error>} */
   #failed = new Map();
   /** @type {Set<() => void>} */
   #listeners = new Set();
-  /** @type {{index: number, go: () => void}[]} */
+  /** Those of #coming that are not read yet, the latest last. @type {Wish[]} */
   #waiting = [];
+  #planned = false;
   #running = 0;
   #bytes = 0;
 
@@ -78,7 +81,7 @@ export class Details {
       if (part !== undefined) parts.push(/** @type {T} */ (part));
       else if (!this.#failed.has(index)) {
         complete = false;
-        void this.#load(index);
+        void this.#load(index, false);
       }
     }
     return { parts, complete };
@@ -103,9 +106,16 @@ export class Details {
     return this.#decoded(index, topic);
   }
 
-  /** Reads ahead. @param {string} topic @param {number} from_s @param {number} to_s */
-  prefetch(topic, from_s, to_s) {
-    for (const index of this.file.chunksOf(topic, from_s, to_s)) void this.#load(index);
+  /**
+   * One chunk's part of a topic, if it is there; else it is asked for.
+   * @param {string} topic @param {number} index of the chunk @returns {any} undefined: it comes; null: it cannot be read
+   */
+  peekPart(topic, index) {
+    const part = this.#decoded(index, topic);
+    if (part !== undefined) return part;
+    if (this.#failed.has(index)) return null;
+    void this.#load(index, false);
+    return undefined;
   }
 
   /** Chunks that could not be read, with the reasons. */
@@ -126,50 +136,82 @@ export class Details {
     return loaded.decoded.get(topic);
   }
 
-  /** @param {number} index @returns {Promise<void>} */
-  #load(index) {
+  /**
+   * @param {number} index @param {boolean} [needed] false: whoever looks now wishes for it, and will again if it is left out
+   * @returns {Promise<void>}
+   */
+  #load(index, needed = true) {
     if (this.#loaded.has(index)) return Promise.resolve();
-    let coming = this.#coming.get(index);
-    if (!coming) {
-      coming = this.#read(index).finally(() => this.#coming.delete(index));
-      this.#coming.set(index, coming);
+    const known = this.#coming.get(index);
+    if (known) {
+      known.needed ||= needed;
+      return known.come;
     }
-    return coming;
+    /** @type {() => void} */
+    let done = () => undefined;
+    const come = new Promise((/** @type {(value: void) => void} */ resolve) => (done = resolve));
+    const wish = { index, needed, come, done };
+    this.#coming.set(index, wish);
+    this.#waiting.push(wish);
+    this.#plan();
+    return come;
   }
 
-  /** @param {number} index */
-  async #read(index) {
-    await this.#turn(index);
-    try {
-      const messages = await this.file.messagesIn(index);
-      let size = 0;
-      for (const list of messages.values()) for (const message of list) size += message.data.byteLength;
-      const bytes = kBytesForByte * size;
-      this.#loaded.set(index, { messages, decoded: new Map(), bytes });
-      this.#bytes += bytes;
-      this.#trim();
-    } catch (error) {
-      this.#failed.set(index, /** @type {Error} */ (error));
-    } finally {
-      --this.#running;
-      this.#next();
-      for (const listener of this.#listeners) listener();
-    }
-  }
-
-  /** Waits until few others are read; the latest wish comes first, because it is what is looked at now. @param {number} index */
-  #turn(index) {
-    return new Promise((go) => {
-      this.#waiting.push({ index, go: () => go(undefined) });
+  /** What is wished for in one go is read together. */
+  #plan() {
+    if (this.#planned) return;
+    this.#planned = true;
+    queueMicrotask(() => {
+      this.#planned = false;
       this.#next();
     });
   }
 
+  /** The latest wishes come first, because they are what is looked at now; those that were overtaken are given up. */
   #next() {
     while (this.#running < kAtOnce && this.#waiting.length) {
-      ++this.#running;
-      this.#waiting.pop()?.go();
+      const latest = this.#waiting.splice(-kTogether);
+      const byIndex = new Map(latest.map((wish) => [wish.index, wish]));
+      for (const run of this.file.runsOf([...byIndex.keys()])) {
+        ++this.#running;
+        void this.#read(run.map((index) => /** @type {Wish} */ (byIndex.get(index))));
+      }
     }
+    const late = this.#waiting.length - kTogether;
+    if (late <= 0) return;
+    const given_up = this.#waiting.slice(0, late).filter((wish) => !wish.needed);
+    if (!given_up.length) return;
+    this.#waiting = this.#waiting.filter((wish) => !given_up.includes(wish));
+    for (const wish of given_up) this.#end(wish);
+  }
+
+  /** @param {Wish} wish */
+  #end(wish) {
+    this.#coming.delete(wish.index);
+    wish.done();
+  }
+
+  /** @param {Wish[]} run chunks that are read at once */
+  async #read(run) {
+    const parts = await Promise.allSettled(this.file.messagesOfRun(run.map((wish) => wish.index)));
+    parts.forEach((part, i) => {
+      if (part.status === 'fulfilled') this.#keep(run[i].index, part.value);
+      else this.#failed.set(run[i].index, /** @type {Error} */ (part.reason));
+      this.#end(run[i]);
+    });
+    --this.#running;
+    this.#next();
+    for (const listener of this.#listeners) listener();
+  }
+
+  /** @param {number} index @param {Map<string, Message[]>} messages */
+  #keep(index, messages) {
+    let size = 0;
+    for (const list of messages.values()) for (const message of list) size += message.data.byteLength;
+    const bytes = kBytesForByte * size;
+    this.#loaded.set(index, { messages, decoded: new Map(), bytes });
+    this.#bytes += bytes;
+    this.#trim();
   }
 
   #trim() {

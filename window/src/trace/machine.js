@@ -22,7 +22,7 @@
  *   time_limit_s: number, signals: SignalInfo[], drives: Drive[], laser: {gate: number | null, pwm: number | null, gate_low: boolean,
  *   pwm_low: boolean, full_power_w: number}, encoder: {a: number | null, b: number | null, count_mm: number}, columns: string[],
  *   bodies: Body[], parts: Part[], beam: Beam, views: {overall: ViewBox, head: ViewBox, sheet: ViewBox}, field: {min_mm: [number, number],
- *   max_mm: [number, number]}, web: Web, dieline: Line[], gcode: string[], belt_mm_s: number}} Machine
+ *   max_mm: [number, number]}, web: Web, dieline: Line[], gcode: string[], gcode_from: 'sent' | 'recorded' | 'planned' | null, belt_mm_s: number}} Machine
  * @typedef {{name: string, title: string, outcome: 'PASS' | 'FAIL' | 'NOT PROVEN' | 'INVALID', value: number | null, limit: number | null,
  *   upper: boolean, u: number | null, unit: string, subject: string, sentence: string, time_s: number | null, within_s: number | null,
  *   sheet_unit: number, entity: number, x_mm: number | null, y_mm: number | null}} Check

@@ -91,7 +91,7 @@ async function refusal(answer) {
   return `the server answered ${answer.status} where a part of the trace was asked for`;
 }
 
-/** Keeps blocks that were read, the latest ones, so that neighbouring chunks cost one request. */
+/** Keeps blocks that were read, the latest ones: who walks over a file or reads its summary asks for little pieces one after the other. */
 export class BlockCache {
   /** @type {Map<number, Promise<Uint8Array>>} */
   #blocks = new Map();
@@ -129,6 +129,19 @@ export class BlockCache {
       at += part.byteLength;
     });
     return joined;
+  }
+
+  /**
+   * Exactly these bytes, and nothing of them is kept: for what is read once, such as chunks.
+   * @param {bigint} offset @param {bigint} length
+   */
+  async readOnce(offset, length) {
+    const size = Number(await this.size());
+    refuseOutside(Number(offset), Number(length), size);
+    const first = Math.floor(Number(offset) / kBlock_bytes);
+    const last = Math.floor((Number(offset) + Math.max(0, Number(length) - 1)) / kBlock_bytes);
+    for (let block = first; block <= last; ++block) if (!this.#blocks.has(block)) return this.below.read(offset, length);
+    return this.read(offset, length);
   }
 
   /** @param {number} index @param {number} size */

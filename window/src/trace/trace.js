@@ -21,6 +21,7 @@ import { lastUpTo, momentOf } from './rows.js';
 /** A message holds less than this from its first row on (docs/reference/trace.md). */
 export const kMessage_s = 0.02;
 const kBurntMessage_s = 1;
+const kBack = 3; // Chunks before a moment in which what was last is looked for.
 const kPinWindows = 4;
 const kGrid_s = 0.1; // The finest overview: it has the levels of all pins at these times.
 
@@ -117,11 +118,24 @@ export class Trace {
 
   /** @param {string} topic @param {number} t_s */
   #lastRow(topic, t_s) {
-    const chunks = this.file.chunksOf(topic, -Infinity, t_s);
-    if (!chunks.length) return undefined;
-    // Chunks are not long; the one before is asked for as well, because the last may begin with a row after t_s.
-    const from = this.file.chunks[chunks[Math.max(0, chunks.length - 2)]].start_s;
-    return lastUpTo(this.details.peek(topic, from, t_s).parts, t_s);
+    return this.lastIn(topic, t_s, (part) => lastUpTo([part], t_s));
+  }
+
+  /**
+   * What was last up to a moment, in the last chunk that has it. A chunk that begins before the moment may have it only later: then
+   * it is in one before.
+   * @template T
+   * @param {string} topic @param {number} t_s @param {(part: any) => T | undefined} find in a chunk's part
+   * @returns {T | undefined} undefined also while it comes
+   */
+  lastIn(topic, t_s, find) {
+    for (const index of this.file.chunksOf(topic, -Infinity, t_s).slice(-kBack).reverse()) {
+      const part = this.details.peekPart(topic, index);
+      if (part === undefined) return undefined;
+      const found = part === null ? undefined : find(part);
+      if (found !== undefined) return found;
+    }
+    return undefined;
   }
 }
 

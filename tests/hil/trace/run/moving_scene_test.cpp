@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/machine_file/machine_file.h"
+#include "hil/trace/run/moving_scene_json.h"
 #include "tests/hil/base/temp_folder.h"
 #include "twin/base/random.h"
 
@@ -180,6 +181,24 @@ TEST(MovingScene, TheProofSeesWhatItIsAbout) {
   EXPECT_GT(cut, 50U);
   EXPECT_GT(gone, 50U);
   EXPECT_GT(beams, 50U);
+}
+
+// Films are made of what a trace says of its machine.
+TEST(MovingScene, IsTheSameMachineOutOfTheMessageOfATrace) {
+  for (const fs::path& file : machineFiles()) {
+    SCOPED_TRACE(file.filename().string());
+    Draw draw(3);
+    const MachineDescription machine = misaligned(machine_file::readMachineFile(file).machine, draw);
+    const WebDescription web = severalUnits(machine);
+    const MovingScene moving = movingScene(machine, web);
+    const MovingScene read =
+        trace::movingSceneFrom(nlohmann::ordered_json::parse(trace::jsonOf(moving).dump()));
+    const MachinePose pose = anyPose(machine, draw);
+    const Scene built = sceneOf(machine, web, pose);
+    expectSameParts(partsAt(read, pose), built.parts);
+    expectSameBeam(read, pose, built);
+    EXPECT_LT((read.head.box_mm.center() - moving.head.box_mm.center()).norm(), kTolerance_mm);
+  }
 }
 
 TEST(MovingScene, ABodyIsCarriedByABodyBeforeIt) {
