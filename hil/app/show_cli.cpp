@@ -24,6 +24,32 @@ std::string readSize(const std::string& text, ShowOptions& options) {
   return good ? "" : "is to be WIDTHxHEIGHT in pixels, 64 to 8192 each";
 }
 
+void addFilmOptions(CLI::App& show, ShowOptions& options) {
+  CLI::Option* film = show.add_option(
+      "--film", options.film,
+      "A film of the machine, .mp4 or .webm, by FFmpeg: SUBJECT is a trace (run.mcap) or a "
+      "scenario, which is run. Without --from\nand --to it shows a cycle: a gantry once forth "
+      "and back, under a head that stands still one unit");
+  show.add_option("--from", options.from_s, "The film begins here, simulated s")
+      ->needs(film)
+      ->check(CLI::NonNegativeNumber);
+  show.add_option("--to", options.to_s, "The film ends here, simulated s")
+      ->needs(film)
+      ->check(CLI::NonNegativeNumber);
+  show.add_option("--slow", options.slow, "A second of the run takes so many of the film")
+      ->needs(film)
+      ->check(CLI::Range(0.01, 1e5))
+      ->capture_default_str();
+  show.add_option("--fps", options.pictures_each_s, "Pictures a second of the film")
+      ->needs(film)
+      ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
+  show.add_option("--jobs,-j", options.threads, "Threads that draw a film")
+      ->needs(film)
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void addReadingOptions(CLI::App& command, dieline::DrawingArguments& arguments) {
@@ -44,6 +70,7 @@ void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& act
   auto holder = std::make_shared<ShowOptions>();
   ShowOptions& options = *holder;
   options.bin_dir = program.bin_dir;
+  options.threads = program.jobs;
   CLI::App* show = app.add_subcommand("show",
                                       "Draw a machine at rest or in the middle of a run (PNG), or what a "
                                       "drawing has the laser do and what lint finds in it (SVG or PNG)");
@@ -70,6 +97,7 @@ void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& act
                    "overall, head (mirrors or carriage) or sheet (the board from above)")
       ->check(CLI::IsMember({"overall", "head", "sheet"}))
       ->capture_default_str();
+  addFilmOptions(*show, options);
   addReadingOptions(*show, options.drawing);
   show->add_flag("--quiet,-q", options.quiet, "Only the names of the files");
   actions.add(show, std::move(holder), showCommand);

@@ -6,13 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hil/app/drawing_choice.h"
+#include "hil/app/film_command.h"
+#include "hil/app/filmed_run.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/input_error.h"
 #include "hil/base/text.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/dieline/file_format.h"
@@ -21,13 +25,10 @@
 #include "hil/drawing/drawing_picture.h"
 #include "hil/judge/machine_pictures.h"
 #include "hil/machine_file/machine_check.h"
-#include "hil/run/dialogs.h"
-#include "hil/run/lockstep.h"
 #include "hil/run/machine_film.h"
-#include "hil/run/model_machine.h"
-#include "hil/run/release.h"
 #include "hil/scenario/case.h"
 #include "hil/scene/picture.h"
+#include "hil/trace/mcap_records.h"
 #include "twin/machine/divergence.h"
 
 namespace kerfbench::app {
@@ -36,16 +37,6 @@ namespace {
 namespace fs = std::filesystem;
 
 void complain(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
-
-scene::PictureOptions pictureOptions(const ShowOptions& options) {
-  scene::PictureOptions picture;
-  picture.width_px = options.width_px;
-  picture.height_px = options.height_px;
-  picture.view = options.view == "head"    ? scene::SceneView::kHead
-                 : options.view == "sheet" ? scene::SceneView::kSheet
-                                           : scene::SceneView::kOverall;
-  return picture;
-}
 
 void save(const twin::Scene& scene, const scene::PictureOptions& picture, const fs::path& path) {
   const auto png = scene::renderPng(scene, picture);
@@ -79,31 +70,6 @@ fs::path nameAt(const fs::path& out, double time_s, bool several) {
          fmt::format("{}-{:.4f}s{}", out.stem().string(), time_s, out.extension().string());
 }
 
-run::MachineFilm filmed(const scenario::Case& test_case, const twin::SampledMachine& sampled,
-                        const ShowOptions& options) {
-  const scenario::Scenario& scenario = test_case.scenario;
-  base::Console console(options.quiet);
-  run::PreparedJob job = run::prepareJob(test_case);
-  console.say(fmt::format("{}: {}", scenario.name, job.summary));
-  const auto source = run::openRelease(scenario.firmware, options.bin_dir);
-  run::ModelMachine machine(
-      test_case, sampled, source->info().rate,
-      {.fidelity = twin::Fidelity::kFast, .seed = scenario.seed, .record_exposures = false});
-  run::LockstepOptions lockstep = run::lockstepFor(test_case);
-  const bool to_the_end = options.at_s.empty();
-  if (!to_the_end) {
-    lockstep.time_limit_s =
-        std::min(lockstep.time_limit_s, std::ranges::max(options.at_s) + lockstep.quantum_s);
-  }
-  const run::RecordedRun run = machine.run(*source, job.dialog.get(), lockstep, base::progressOn(console));
-  // Where the last time asked for ends the run, the job is not done, and that is no fault.
-  const bool cut_short = !to_the_end && machine.film().end_s() + 1e-9 >= std::ranges::max(options.at_s);
-  if (!cut_short) {
-    for (const std::string& problem : run.problems) complain(fmt::format("{}: {}", scenario.name, problem));
-  }
-  return machine.film();
-}
-
 int showScenario(const ShowOptions& options) {
   scenario::Case test_case = scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
   if (!options.subject.empty() &&
@@ -113,8 +79,11 @@ int showScenario(const ShowOptions& options) {
     return base::kExitUsage;
   }
   const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
-  const run::MachineFilm film = filmed(test_case, sampled, options);
   std::vector<double> times_s = options.at_s;
+  std::optional<double> until_s;
+  if (!times_s.empty()) until_s = std::ranges::max(times_s);
+  base::Console console(options.quiet);
+  const run::MachineFilm film = filmedRun(test_case, sampled, until_s, options.bin_dir, console);
   if (times_s.empty()) times_s.push_back(film.middleOfLongestCut_s());
   const fs::path out = options.out.empty() ? fs::path(test_case.scenario.name + ".png") : options.out;
   for (const double time_s : times_s) {
@@ -182,7 +151,7 @@ int showCommand(const ShowOptions& options) {
     complain("show: name a machine or a drawing, or --scenario (show --help)");
     return base::kExitUsage;
   }
-  if (dieline::fileFormatOf(options.subject)) return showDrawing(options);
+  if (dieline::fileFormatOf(options.subject) && options.film.empty()) return showDrawing(options);
   if (!options.drawing.empty()) {
     complain("show: --unit, --scale, --turn, --shift and --layer are for drawings");
     return base::kExitUsage;
@@ -191,11 +160,12 @@ int showCommand(const ShowOptions& options) {
     complain("show: --at takes seconds");
     return base::kExitUsage;
   }
-  if (!scene::povrayFound()) {
+  if (options.film.empty() && !scene::povrayFound()) {
     complain("show: pictures need POV-Ray: install it (apt-get install povray)");
     return base::kExitBroken;
   }
   try {
+    if (!options.film.empty()) return showFilm(options);
     return options.scenario.empty() ? showAtRest(options) : showScenario(options);
   } catch (const base::ConfigError& e) {
     complain(e.what());
@@ -205,6 +175,8 @@ int showCommand(const ShowOptions& options) {
     complain(fmt::format("the job cannot be planned: {}", e.what()));
   } catch (const base::InputError& e) {
     complain(e.what());
+  } catch (const trace::McapError& e) {
+    complain(fmt::format("show: {}", e.what()));
   } catch (const scene::PictureError& e) {
     complain(fmt::format("show: {}", e.what()));
     return base::kExitBroken;

@@ -11,6 +11,7 @@
 #include "hil/base/png_codec.h"
 #include "hil/scene/annotate.h"
 #include "hil/scene/drawing.h"
+#include "hil/scene/fixed_picture.h"
 #include "hil/scene/pov_text.h"
 
 namespace kerfbench::scene {
@@ -96,6 +97,10 @@ Viewpoint viewpointOf(const twin::Scene& scene, SceneView view, int width_px, in
   return Viewpoint::around(points, {-0.55, 1.0, -0.62}, width_px, height_px, 0.94, inset ? kInsetFree : 0.0);
 }
 
+bool hasInset(const twin::Scene& scene, const PictureOptions& options) {
+  return options.inset && options.view == SceneView::kOverall && !scene.head.isEmpty();
+}
+
 std::vector<std::uint8_t> renderPng(const twin::Scene& scene, const PictureOptions& options) {
   constexpr int kSmallest_px = 64;
   constexpr int kLargest_px = 8192;
@@ -104,12 +109,17 @@ std::vector<std::uint8_t> renderPng(const twin::Scene& scene, const PictureOptio
     throw PictureError(fmt::format("a picture of {} x {} pixels cannot be made: {} to {} each way",
                                    options.width_px, options.height_px, kSmallest_px, kLargest_px));
   }
-  const bool with_inset = options.inset && options.view == SceneView::kOverall && !scene.head.isEmpty();
-  const Viewpoint view = viewpointOf(scene, options.view, options.width_px, options.height_px, with_inset);
+  return renderPngFrom(
+      scene, options,
+      viewpointOf(scene, options.view, options.width_px, options.height_px, hasInset(scene, options)));
+}
+
+std::vector<std::uint8_t> renderPngFrom(const twin::Scene& scene, const PictureOptions& options,
+                                        const Viewpoint& view) {
   base::PngSamples picture =
       render(options.view == SceneView::kSheet ? openedFromAbove(scene) : scene, view, options);
   std::optional<Inset> inset;
-  if (with_inset) {
+  if (hasInset(scene, options)) {
     const int side_px = static_cast<int>(kInsetShare * std::min(options.width_px, 2 * options.height_px));
     const Viewpoint head = viewpointOf(scene, SceneView::kHead, side_px, side_px);
     inset = Inset{render(scene, head, options), head, scene.head_labels};

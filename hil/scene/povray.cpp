@@ -10,10 +10,8 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <optional>
-#include <sstream>
 #include <system_error>
 #include <thread>
 
@@ -21,28 +19,12 @@
 #include "hil/base/file_content.h"
 #include "hil/base/spawn_setup.h"
 #include "hil/base/temporary.h"
+#include "hil/scene/child_program.h"
 
 namespace kerfbench::scene {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool executable(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
-}
-
-std::optional<fs::path> findProgram(const fs::path& program) {
-  if (program.has_parent_path()) {
-    return executable(program) ? std::optional(fs::absolute(program)) : std::nullopt;
-  }
-  const char* const path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "/usr/bin:/bin");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    if (!folder.empty() && executable(fs::path(folder) / program)) return fs::path(folder) / program;
-  }
-  return std::nullopt;
-}
 
 // Settings of POV-Ray, all of them, so that nothing is left to the files of the host or the user.
 std::string iniText(const PovrayOptions& options) {

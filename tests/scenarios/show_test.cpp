@@ -51,6 +51,32 @@ TEST_F(Show, DrawsARunAtEachTimeAskedFor) {
   EXPECT_TRUE(isPng("run-3.0000s.png"));
 }
 
+TEST_F(Show, FilmsARun) {
+  const std::string options =
+      fmt::format("show '{}' --film '{}' --from 1 --to 1.2 --slow 5 --fps 4 --size 96x64 -j 2",
+                  fixture("scenarios/native/label-on-belt.yaml").string(), file("run.webm"));
+  const auto result = kerfbench(options);
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) {
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.output, HasSubstr("apt-get install ffmpeg"));
+    EXPECT_TRUE(nothingWritten());
+    return;
+  }
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("1.0000 … 1.2000 s, 5 times slower, 5 pictures"));
+  EXPECT_GT(std::filesystem::file_size(scratch_.path() / "run.webm"), 500U);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(scratch_.path()), {}), 1);
+}
+
+TEST_F(Show, WrongOptionsOfAFilmAre64) {
+  for (const char* options :
+       {"--film a.gif", "--film a.mp4 --at 1", "--film a.mp4 --out b.png", "--film a.mp4 --from 2 --to 1",
+        "--film a.mp4 --slow 0", "--from 1", "--fps 25", "--film a.mp4 --from 0 --to 1 --slow 1e5"}) {
+    const auto result = kerfbench(fmt::format("show --scenario '{}' {}", scenario_, options));
+    EXPECT_EQ(result.exit_code, 64) << options << ": " << result.output;
+  }
+}
+
 TEST_F(Show, DrawsADrawingAsTheNameOfTheFileAsks) {
   const std::string drawing = fixture("dielines/tuck-end-carton.dxf").string();
   const auto png = kerfbench(fmt::format("show '{}' --size 500x80 --out '{}'", drawing, file("carton.png")));
