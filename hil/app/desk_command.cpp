@@ -15,6 +15,7 @@
 #include "hil/base/exit_codes.h"
 #include "hil/base/file_content.h"
 #include "hil/base/input_error.h"
+#include "hil/base/terminal.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/desk/first_scenario.h"
 #include "hil/desk/job_plan.h"
@@ -35,7 +36,11 @@ std::string textOfFile(const fs::path& file) {
   return *std::move(text);
 }
 
-void printLine(std::FILE* out, const std::string& line) { std::fputs((line + "\n").c_str(), out); }
+void printLine(std::FILE* out, const std::string& line) { base::toTerminal(out, line + "\n"); }
+
+void printJson(const std::string& json) {
+  base::toTerminalAsItIs(stdout, base::jsonForTerminal(json) + "\n");
+}
 
 /// Runs an action; faults of the user's files go to standard error.
 template <typename Do>
@@ -129,7 +134,7 @@ int planCommand(const PlanOptions& options) {
                                               gcode, requestOn(console, options.bin_dir));
     console.endProgress();
     const json plan = json::parse(answer);
-    if (options.as_json) printLine(stdout, answer);
+    if (options.as_json) printJson(answer);
     if (!options.as_json) printIssues(plan["issues"], options.scenario);
     if (!options.gcode_out.empty())
       base::writeFileAtomically(options.gcode_out, plan["gcode"].get<std::string>());
@@ -185,7 +190,7 @@ int checkCommand(const std::vector<fs::path>& scenarios, const fs::path& bin_dir
     for (const fs::path& file : scenarios) {
       const std::string answer = desk::checkJson({textOfFile(file), fs::absolute(file).lexically_normal()},
                                                  requestOn(console, bin_dir));
-      printLine(stdout, answer);
+      printJson(answer);
       if (!json::parse(answer)["fits"]) code = base::kExitInput;
     }
     return code;

@@ -14,6 +14,7 @@
 #include "hil/base/exit_codes.h"
 #include "hil/base/file_content.h"
 #include "hil/base/input_error.h"
+#include "hil/base/terminal.h"
 #include "hil/cli/run_guarded.h"
 #include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/evidence_json.h"
@@ -49,7 +50,7 @@ int diagnoseOne(const fs::path& file, bool as_json, base::Console& console) {
     throw base::InputError(file.string() + ": " + e.what());
   }
   if (as_json) {
-    console.result(asJson(file, diagnosis));
+    console.result(base::jsonForTerminal(asJson(file, diagnosis)));
     return 0;
   }
   if (diagnosis.causes.empty())

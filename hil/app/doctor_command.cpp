@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "hil/base/terminal.h"
 #include "hil/cli/run_guarded.h"
 #include "hil/dieline/geometry.h"
 #include "hil/doctor/child_check.h"
@@ -40,9 +41,10 @@ int examine(const DoctorOptions& options) {
     findings.insert(findings.end(), needs.begin(), needs.end());
     addWitness(test_case, options.bin_dir, findings);
   }
-  std::fputs((options.json ? doctor::doctorJson(state, findings, name) : doctor::doctorText(state, findings))
-                 .c_str(),
-             stdout);
+  if (options.json)
+    base::toTerminalAsItIs(stdout, base::jsonForTerminal(doctor::doctorJson(state, findings, name)));
+  else
+    base::toTerminal(stdout, doctor::doctorText(state, findings));
   return std::ranges::find(findings, doctor::DoctorFinding::Grade::kMissing, &doctor::DoctorFinding::grade) ==
                  findings.end()
              ? 0
@@ -51,7 +53,10 @@ int examine(const DoctorOptions& options) {
 
 int tryChild(const doctor::ChildOptions& options, bool json) {
   const std::vector<doctor::DoctorFinding> findings = doctor::checkChild(options);
-  std::fputs((json ? doctor::findingsJson(findings) : doctor::findingsText(findings)).c_str(), stdout);
+  if (json)
+    base::toTerminalAsItIs(stdout, base::jsonForTerminal(doctor::findingsJson(findings)));
+  else
+    base::toTerminal(stdout, doctor::findingsText(findings));
   return std::ranges::all_of(
              findings,
              [](const doctor::DoctorFinding& f) { return f.grade == doctor::DoctorFinding::Grade::kGood; })

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "hil/base/terminal.h"
 #include "hil/dieline/geometry.h"
 #include "hil/judge/conclude.h"
 #include "hil/witness/witness.h"
@@ -36,9 +37,8 @@ std::optional<int> refusedByWitness(scenario::Case& test_case, const std::string
       break;
   }
   for (const std::string& sentence : testimony.sentences)
-    std::fputs(
-        fmt::format("{}: dieline.witness is required, and {}\n", scenario.path.string(), sentence).c_str(),
-        stderr);
+    base::toTerminal(
+        stderr, fmt::format("{}: dieline.witness is required, and {}\n", scenario.path.string(), sentence));
   return witness::exitCodeOf(testimony.kind);
 }
 

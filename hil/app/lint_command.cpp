@@ -12,6 +12,7 @@
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
+#include "hil/base/terminal.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/files/calibration_file.h"
 #include "hil/calibrate/files/target_file.h"
@@ -33,7 +34,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void say(const std::string& line) { std::fputs((line + "\n").c_str(), stdout); }
+void say(const std::string& line) { base::toTerminal(stdout, line + "\n"); }
 
 // A scenario names a dieline; a machine does not. What it extends counts as well.
 bool isScenario(const fs::path& path) {
@@ -176,13 +177,13 @@ int lintCommand(const std::vector<fs::path>& files, const fs::path& image, const
       if (found == 0 && !options.quiet) say(fmt::format("{}: good", path.string()));
       count(found);
     } catch (const base::ConfigError& e) {
-      std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+      base::toTerminal(stderr, fmt::format("{}\n", e.what()));
       count(base::kExitInput);
     } catch (const dieline::DielineError& e) {
-      std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+      base::toTerminal(stderr, fmt::format("{}\n", e.what()));
       count(base::kExitInput);
     } catch (const base::InputError& e) {
-      std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+      base::toTerminal(stderr, fmt::format("{}\n", e.what()));
       count(base::kExitInput);
     }
   }

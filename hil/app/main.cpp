@@ -19,6 +19,7 @@
 #include "hil/app/run_command.h"
 #include "hil/app/verify_command.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/terminal.h"
 #include "hil/cli/cli.h"
 #include "hil/cli/program.h"
 #include "hil/judge/run_options.h"
@@ -292,7 +293,7 @@ int main(int argc, char** argv) {
     try {
       return dispatch(argc, argv, ProgramPart::kWhole, addCommands);
     } catch (const ProgramMissing& e) {
-      std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+      base::toTerminal(stderr, fmt::format("{}\n", e.what()));
       return base::kExitBroken;
     }
   });

@@ -17,6 +17,7 @@
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
+#include "hil/base/terminal.h"
 #include "hil/base/text.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/dieline/file_format.h"
@@ -36,12 +37,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void complain(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
+void complain(const std::string& line) { base::toTerminal(stderr, line + "\n"); }
 
 void save(const twin::Scene& scene, const scene::PictureOptions& picture, const fs::path& path) {
   const auto png = scene::renderPng(scene, picture);
   base::writeFileAtomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
-  std::fputs((path.string() + "\n").c_str(), stdout);
+  base::toTerminal(stdout, path.string() + "\n");
 }
 
 // At rest, with a plain sheet as large as the field.

@@ -10,6 +10,7 @@
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
+#include "hil/base/terminal.h"
 #include "hil/trace/run/clip_page.h"
 #include "hil/trace/trace_file.h"
 
@@ -18,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void sayFault(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
-void sayLine(const std::string& line) { std::fputs((line + "\n").c_str(), stdout); }
+void sayFault(const std::string& line) { base::toTerminal(stderr, line + "\n"); }
+void sayLine(const std::string& line) { base::toTerminal(stdout, line + "\n"); }
 
 /// A browser reads no larger text at once.
 constexpr std::uintmax_t kMostInPage_bytes = std::uintmax_t{64} << 20U;

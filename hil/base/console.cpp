@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "hil/base/colour.h"
+#include "hil/base/terminal.h"
 
 namespace kerfbench::base {
 
@@ -43,7 +44,7 @@ void Console::say(const std::string& line) {
 
 void Console::result(const std::string& line) {
   endProgress();
-  std::fputs((withVerdictsInColour(line, stdout) + "\n").c_str(), stdout);
+  toTerminalAsItIs(stdout, withVerdictsInColour(forTerminal(line), stdout) + "\n");
   std::fflush(stdout);
 }
 
@@ -66,10 +67,10 @@ void Console::progress(double now_s, const std::string& what) {
     if (kind == logged_ && now < next_logged_) return;
     logged_ = kind;
     next_logged_ = now + kBetweenLogged;
-    std::fputs(fmt::format("  {}\n", text).c_str(), stderr);
+    toTerminal(stderr, fmt::format("  {}\n", text));
     return;
   }
-  std::fputs(fmt::format("\r\033[K  {:.110}", text).c_str(), stderr);
+  toTerminalAsItIs(stderr, fmt::format("\r\033[K  {:.110}", forTerminal(text)));
   std::fflush(stderr);
   progress_shown_ = true;
 }
@@ -95,7 +96,7 @@ void Console::event(std::string_view name, std::initializer_list<EventField> fie
 
 void Console::endProgress() {
   if (!progress_shown_) return;
-  std::fputs("\r\033[K", stderr);
+  toTerminalAsItIs(stderr, "\r\033[K");
   progress_shown_ = false;
 }
 

@@ -5,34 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/utf8.h"
+
 namespace kerfbench::base {
-namespace {
-
-unsigned byteAt(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
-
-/// Bytes of the character at the begin of `text`, 0 where there is no well-formed one (RFC 3629).
-std::size_t characterBytes(std::string_view text) {
-  const unsigned lead = byteAt(text, 0);
-  if (lead < 0x80) return 1;
-  const std::size_t bytes = lead >= 0xf0 ? 4 : (lead >= 0xe0 ? 3 : 2);
-  if (lead < 0xc2 || lead > 0xf4 || text.size() < bytes) return 0;
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if ((byteAt(text, i) & 0xc0U) != 0x80) return 0;
-  }
-  const unsigned second = byteAt(text, 1);
-  const bool overlong = (lead == 0xe0 && second < 0xa0) || (lead == 0xf0 && second < 0x90);
-  const bool no_character = (lead == 0xed && second > 0x9f) || (lead == 0xf4 && second > 0x8f);
-  return overlong || no_character ? 0 : bytes;
-}
-
-/// Whether a terminal would obey the character: C0, DEL, C1.
-bool isControl(std::string_view character) {
-  const unsigned lead = byteAt(character, 0);
-  return lead < 0x20 || lead == 0x7f || (lead == 0xc2 && byteAt(character, 1) < 0xa0);
-}
-
-}  // namespace
-
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
@@ -67,7 +42,8 @@ std::string printable(std::string_view text, std::size_t most_bytes) {
 
 std::string inQuotes(std::string_view text) { return "'" + printable(text) + "'"; }
 
-std::string escapeHtml(std::string_view text) {
+std::string escapeHtml(std::string_view foreign) {
+  const std::string text = markupText(foreign);
   std::string out;
   out.reserve(text.size());
   for (const char c : text) {

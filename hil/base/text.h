@@ -22,7 +22,7 @@ std::string printable(std::string_view text, std::size_t most_bytes = 40);
 /// Printable text between single quotes.
 std::string inQuotes(std::string_view text);
 
-/// Escapes text for HTML, SVG and their attribute values. Bytes that are not UTF-8 stay as they are.
+/// Escapes text for HTML, SVG and their attribute values. The text is markupText() then.
 std::string escapeHtml(std::string_view text);
 
 /// A number with two digits behind the point; what is rounded to zero has no sign.

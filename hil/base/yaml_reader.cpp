@@ -11,10 +11,16 @@
 #include <system_error>
 
 #include "hil/base/near_word.h"
+#include "hil/base/text.h"
+#include "hil/base/utf8.h"
 
 namespace kerfbench::base {
 
 namespace {
+
+constexpr const char* kHasControl = "has a control character";
+constexpr std::size_t kMostKeyBytes = 120;
+constexpr std::size_t kMostTold = 50;
 
 // Line and column, from 1.
 struct KeyPlace {
@@ -52,6 +58,9 @@ std::string withoutIndices(const std::string& prefix) {
   }
   return result;
 }
+
+// Whether a text has no control characters but line ends and tabs, which blocks of lines have.
+bool isPlain(std::string_view text) { return markupText(text) == text; }
 
 bool given(const YAML::Node& node) { return node.IsDefined() && !node.IsNull(); }
 
@@ -101,8 +110,8 @@ struct YamlReader::Node {
   void fault(std::string_view key, std::string_view message) const {
     const KeyBook& owner = *ownerOf(key).book;
     const KeyPlace place = owner.placeOf(key);
-    file->faults.push_back(
-        {owner.path, place.line, place.column, fmt::format("{}{}", owner.prefix, key), std::string(message)});
+    file->faults.push_back({owner.path, place.line, place.column,
+                            printable(owner.prefix + std::string(key), kMostKeyBytes), std::string(message)});
   }
   [[nodiscard]] bool isText(std::string_view key) const {
     const YAML::Node constant = ownerOf(key).yaml;
@@ -136,7 +145,13 @@ YAML::Node loadMapping(const std::filesystem::path& path, const std::string* tex
   }
   YAML::Node yaml;
   try {
-    yaml = text != nullptr ? YAML::Load(*text) : YAML::LoadFile(path.string());
+    std::vector<YAML::Node> documents =
+        text != nullptr ? YAML::LoadAll(*text) : YAML::LoadAllFromFile(path.string());
+    std::erase_if(documents, [](const YAML::Node& document) { return !given(document); });
+    if (documents.size() > 1)
+      throw ConfigError(fmt::format("{}: holds {} documents of YAML (behind ---), and one is expected",
+                                    path.string(), documents.size()));
+    if (!documents.empty()) yaml = documents.front();
   } catch (const YAML::Exception& e) {
     throw ConfigError(fmt::format("{}:{}: {}", path.string(), e.mark.line + 1, e.msg));
   }
@@ -198,7 +213,7 @@ double YamlReader::number(std::string_view key, const Range& range) {
   }
   double number = 0.0;
   if (!value.IsScalar() || !YAML::convert<double>::decode(value, number) || !std::isfinite(number)) {
-    node_->fault(key, fmt::format("'{}' is not a number", value.IsScalar() ? value.Scalar() : "…"));
+    node_->fault(key, fmt::format("{} is not a number", value.IsScalar() ? inQuotes(value.Scalar()) : "'…'"));
     return 0.0;
   }
   if (number < range.min || number > range.max) {
@@ -236,6 +251,7 @@ std::string YamlReader::text(std::string_view key, std::optional<std::string> fa
     node_->fault(key, "is not a text");
     return {};
   }
+  if (!isPlain(value.Scalar())) node_->fault(key, kHasControl);
   return value.Scalar();
 }
 
@@ -244,7 +260,7 @@ std::string YamlReader::choice(std::string_view key, const std::vector<std::stri
   const bool was_given = given(node_->take(key));
   std::string value = text(key, std::move(fallback));
   if (was_given && std::ranges::find(allowed, value) == allowed.end()) {
-    node_->fault(key, fmt::format("'{}' is none of: {}", value, fmt::join(allowed, ", ")));
+    node_->fault(key, fmt::format("{} is none of: {}", inQuotes(value), fmt::join(allowed, ", ")));
   }
   return value;
 }
@@ -343,6 +359,7 @@ std::vector<std::string> YamlReader::texts(std::string_view key) {
   for (std::size_t i = 0; i < value.size(); ++i) {
     if (value[i].IsScalar()) {
       result.push_back(value[i].Scalar());
+      if (!isPlain(result.back())) node_->fault(key, fmt::format("element {} {}", i, kHasControl));
     } else {
       node_->fault(key, fmt::format("element {} is not a text", i));
     }
@@ -361,6 +378,7 @@ std::vector<std::pair<std::string, std::string>> YamlReader::pairs(std::string_v
   for (const auto& entry : value) {
     if (entry.first.IsScalar() && entry.second.IsScalar()) {
       result.emplace_back(entry.first.Scalar(), entry.second.Scalar());
+      if (!isPlain(result.back().first) || !isPlain(result.back().second)) node_->fault(key, kHasControl);
     } else {
       node_->fault(key, "holds something that is not a text");
     }
@@ -377,6 +395,7 @@ std::vector<std::pair<std::vector<std::string>, std::string>> YamlReader::leaves
   const auto collect = [&](const auto& self, const YAML::Node& at, std::vector<std::string>& path) -> void {
     if (at.IsScalar() && !path.empty()) {
       result.emplace_back(path, at.Scalar());
+      if (!isPlain(at.Scalar()) || !std::ranges::all_of(path, isPlain)) node_->fault(key, kHasControl);
       return;
     }
     if (!at.IsMap() || path.size() >= kDeepest) {
@@ -432,7 +451,8 @@ std::vector<YamlReader::Fault> YamlReader::faults() const {
     std::set<std::string, std::less<>> seen;
     for (const auto& [key, place] : book->keys) {
       const auto add = [&, &key = key, &place = place](std::string message) {
-        faults.push_back({book->path, place.line, place.column, book->prefix + key, std::move(message)});
+        faults.push_back({book->path, place.line, place.column, printable(book->prefix + key, kMostKeyBytes),
+                          std::move(message)});
       };
       if (!book->asked.contains(key)) {
         const std::vector<std::string> known(book->asked.begin(), book->asked.end());
@@ -452,7 +472,13 @@ std::vector<YamlReader::Fault> YamlReader::faults() const {
 
 void YamlReader::finish() {
   std::string message;
-  for (const Fault& fault : faults()) {
+  const std::vector<Fault> all = faults();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Fault& fault = all[i];
+    if (i == kMostTold) {
+      message += fmt::format("\n{}: {} faults more", fault.path.string(), all.size() - kMostTold);
+      break;
+    }
     message += fmt::format("{}{}:{}: {}: {}", message.empty() ? "" : "\n", fault.path.string(), fault.line,
                            fault.key, fault.message);
   }

@@ -185,7 +185,8 @@ Prepared prepare(const Campaign& campaign, const fs::path& asked, const BenchFil
     sums.push_back(sum);
   }
   list["identity"] = identityFrom(list["campaign_sha256"], sums);
-  base::writeFileAtomically(folder / kList, list.dump(2) + "\n");
+  base::writeFileAtomically(folder / kList,
+                            list.dump(2, ' ', false, decltype(list)::error_handler_t::replace) + "\n");
   return {folder, list["identity"].get<std::string>()};
 }
 

@@ -7,6 +7,7 @@
 
 #include "hil/base/exit_codes.h"
 #include "hil/base/installation.h"
+#include "hil/base/shell_word.h"
 #include "hil/base/version.h"
 #include "hil/cli/program.h"
 #include "hil/command_line/dialogue_cli.h"
@@ -23,8 +24,7 @@ std::string commandLine(const std::filesystem::path& bin_dir, int argc, char** a
     // Who watches a run (--events) is no part of it: the report's command repeats the run.
     if (word == "--events") ++i;
     if (word == "--events" || word.starts_with("--events=")) continue;
-    const bool plain = !word.empty() && word.find_first_of(" \t'\"$`\\*?;&|<>()") == std::string::npos;
-    line += plain ? " " + word : " '" + word + "'";
+    line += " " + base::shellWord(word);
   }
   return line;
 }

@@ -11,6 +11,7 @@
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/freed_memory.h"
+#include "hil/base/terminal.h"
 
 namespace kerfbench::cli {
 
@@ -35,10 +36,10 @@ int guardedMain(const std::function<int()>& work) {
   try {
     return work();
   } catch (const base::FolderError& e) {
-    std::fputs(fmt::format("kerfbench: {}\n", e.what()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("kerfbench: {}\n", e.what()));
     return base::kExitInput;
   } catch (const std::exception& e) {
-    std::fputs(fmt::format("kerfbench: the bench itself broke: {}\n", e.what()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("kerfbench: the bench itself broke: {}\n", e.what()));
     return base::kExitBroken;
   }
 }

@@ -9,6 +9,7 @@
 
 #include "firmware_under_test/planner/job/job.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/terminal.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/dieline/read.h"
 #include "hil/run/release.h"
@@ -20,16 +21,16 @@ int runGuarded(const std::filesystem::path& scenario, const std::function<int()>
   try {
     return work();
   } catch (const base::ConfigError& e) {
-    std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("{}\n", e.what()));
   } catch (const dieline::DielineError& e) {
-    std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("{}\n", e.what()));
   } catch (const planner::PlanError& e) {
-    std::fputs(fmt::format("the job cannot be planned: {}\n", e.what()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("the job cannot be planned: {}\n", e.what()));
   } catch (const twin::DivergenceError& e) {
-    std::fputs(fmt::format("{}: {}; no verdict\n", scenario.string(), e.what()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("{}: {}; no verdict\n", scenario.string(), e.what()));
     return base::kExitBroken;
   } catch (const base::InputError& e) {
-    std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("{}\n", e.what()));
   }
   return base::kExitInput;
 }

@@ -12,6 +12,9 @@
 #include "hil/base/colour.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/near_word.h"
+#include "hil/base/terminal.h"
+#include "hil/base/text.h"
+#include "hil/base/utf8.h"
 #include "hil/command_line/command_tree_cli.h"
 #include "hil/command_line/completion.h"
 #include "hil/command_line/man_page.h"
@@ -53,7 +56,7 @@ int Dialogue::complete(const std::vector<std::string>& words) const {
       found->second();
     break;
   }
-  std::fputs(completionsFor(tree(), words).c_str(), stdout);
+  base::toTerminal(stdout, completionsFor(tree(), words));
   return 0;
 }
 
@@ -61,8 +64,8 @@ int Dialogue::tellFault(const CLI::ParseError& fault, const std::vector<std::str
   const CommandTree all = tree();
   const std::string command = commandNamed(all, words);
   const auto told = mistypedWord(all, words);
-  std::fputs(told ? (*told + "\n").c_str() : fmt::format("{}: {}\n", command, fault.what()).c_str(), stderr);
-  std::fputs(fmt::format("{} --help lists what there is.\n", command).c_str(), stderr);
+  base::toTerminal(stderr, told ? *told + "\n" : fmt::format("{}: {}\n", command, fault.what()));
+  base::toTerminal(stderr, fmt::format("{} --help lists what there is.\n", command));
   return base::kExitUsage;
 }
 
@@ -87,10 +90,10 @@ int Dialogue::tellPages() const {
   if (page == pages.end()) {
     std::vector<std::string> names;
     for (const ManPage& each : pages) names.push_back(each.name);
-    std::fputs(fmt::format("there is no page {}.{}\n", name, base::didYouMean(name, names)).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("there is no page {}.{}\n", name, base::didYouMean(name, names)));
     return base::kExitUsage;
   }
-  std::fputs(page->text.c_str(), stdout);
+  base::toTerminalAsItIs(stdout, page->text);
   return 0;
 }
 
@@ -99,7 +102,15 @@ std::optional<int> Dialogue::read(int argc, char** argv) {
   if (!words.empty() && words.front() == kAskCompletion) return complete({words.begin() + 1, words.end()});
   if (words.empty()) {
     // In a pipeline a command that has got lost must not look like a PASS.
-    std::fputs(app_.help().c_str(), stderr);
+    base::toTerminalAsItIs(stderr, app_.help());
+    return base::kExitUsage;
+  }
+  for (const std::string& word : words) {
+    if (!base::hasControl(word)) continue;
+    // A file of such a name would bring its line feeds and escape sequences into every message and report.
+    base::toTerminal(stderr,
+                     fmt::format("{}: '{}' has a control character, which no word or file name may have\n",
+                                 app_.get_name(), base::printable(word, 200)));
     return base::kExitUsage;
   }
   try {
@@ -113,7 +124,7 @@ std::optional<int> Dialogue::read(int argc, char** argv) {
                      : colour_ == "never" ? base::ColourChoice::kNever
                                           : base::ColourChoice::kAuto);
   if (completion_->parsed()) {
-    std::fputs(completionScript(shell_, app_.get_name()).value_or("").c_str(), stdout);
+    base::toTerminalAsItIs(stdout, completionScript(shell_, app_.get_name()).value_or(""));
     return 0;
   }
   if (man_->parsed()) return tellPages();

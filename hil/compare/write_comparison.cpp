@@ -210,7 +210,7 @@ std::string comparisonJson(const ComparedReleases& compared) {
   for (const Difference& d : comparison.differences) json["differences"].push_back(differenceJson(d));
   json["only_old"] = comparison.only_old;
   json["only_new"] = comparison.only_new;
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, decltype(json)::error_handler_t::replace) + "\n";
 }
 
 std::string comparisonPage(const ComparedReleases& compared) {

@@ -43,7 +43,11 @@ class Cf2Reader {
         break;
       }
       const auto fields = fieldsOf(*record);
-      if (block_ == nullptr ? !outside(fields) : !inside(fields)) {
+      const bool is_known = block_ == nullptr ? outside(fields) : inside(fields);
+      // Words of a file that is no drawing at all are nobody's business.
+      if (!is_known && !begun_) faults_.fatal(line_, "begins with no record of CF2: it is no CF2 drawing");
+      begun_ = true;
+      if (!is_known) {
         faults_.add(line_, fmt::format("record {} is not known{}", inQuotes(fields[0]),
                                        block_ == nullptr ? " outside of MAIN and SUB" : ""));
       }
@@ -242,6 +246,7 @@ class Cf2Reader {
   std::size_t records_{};
   int line_{};
   bool has_main_{};
+  bool begun_{};  ///< A record was known.
   bool skips_{};
 };
 

@@ -30,6 +30,8 @@ void cutIntoTags(DxfFile& file, FaultList& faults, base::ShareProgress& progress
     if (code_text->empty() && trimmed(rest).empty()) break;
     const auto code = parsedNumber<int>(*code_text);
     if (!code || *code < -5 || *code > 1071) {
+      // Words of a file that is no drawing at all are nobody's business.
+      if (file.tags.empty()) faults.fatal(line, "expected a group code: this is no DXF drawing");
       faults.fatal(line, fmt::format("expected a group code, found {}", inQuotes(*code_text)));
     }
     const auto value = nextLine();

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "hil/base/terminal.h"
 #include "hil/doctor/doctor.h"
 #include "hil/doctor/virtual_machine.h"
 #include "hil/source/gpio/output_lines.h"
@@ -135,10 +136,13 @@ int measureLoopback(const LoopbackOptions& options, bool json) {
         system, source::OutputLines(system, report.lines.out_chip, {report.lines.out}, {false}));
     measureRates(system, train, options, report);
   } catch (const source::GpioError& e) {
-    std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("{}\n", e.what()));
     return 1;
   }
-  std::fputs((json ? benchJson(report) : benchText(report)).c_str(), stdout);
+  if (json)
+    base::toTerminalAsItIs(stdout, base::jsonForTerminal(benchJson(report)));
+  else
+    base::toTerminal(stdout, benchText(report));
   return sustained(report) != nullptr ? 0 : 1;
 }
 

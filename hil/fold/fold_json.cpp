@@ -108,18 +108,19 @@ std::string foldJson(const FoldReport& report) {
   for (const inspect::EdgeReading& reading : result.readings)
     measured["readings"].push_back(readingJson(reading));
 
-  ordered_json json{{"format", "kerfbench-fold"},
-                    {"version", 1},
-                    {"kerfbench", base::version()},
-                    {"scenario", report.scenario.name},
-                    {"machine", report.scenario.machine.name},
-                    {"seed", report.scenario.seed},
-                    {"command", report.command_line},
-                    {"program_sha256", base::sha256(report.scenario.program)},
-                    {"digest", base::sha256(measured.dump())}};
+  ordered_json json{
+      {"format", "kerfbench-fold"},
+      {"version", 1},
+      {"kerfbench", base::version()},
+      {"scenario", report.scenario.name},
+      {"machine", report.scenario.machine.name},
+      {"seed", report.scenario.seed},
+      {"command", report.command_line},
+      {"program_sha256", base::sha256(report.scenario.program)},
+      {"digest", base::sha256(measured.dump(-1, ' ', false, decltype(measured)::error_handler_t::replace))}};
   json["missed_mm"] = number(report.missed_mm);
   json.update(measured);
-  return json.dump(1) + "\n";
+  return json.dump(1, ' ', false, decltype(json)::error_handler_t::replace) + "\n";
 }
 
 std::string foldJunit(const FoldReport& report) {

@@ -163,7 +163,7 @@ std::string gaugeJson(const GaugeResult& result, const GaugeOptions& options, co
   }
   json["sections"] = Json::array();
   for (const GaugeSection& s : result.sections) json["sections"].push_back(jsonOf(s));
-  return json.dump(1) + "\n";
+  return json.dump(1, ' ', false, decltype(json)::error_handler_t::replace) + "\n";
 }
 
 }  // namespace kerfbench::gauge

@@ -31,7 +31,7 @@ std::string lineOf(const HeadCheckRecord& record) {
                               {"value", record.drifts[k].value},
                               {"U", record.drifts[k].U}});
   }
-  return json.dump() + "\n";
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 /// @throws nlohmann::json::exception, std::invalid_argument.

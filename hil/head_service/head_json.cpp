@@ -97,9 +97,9 @@ std::string headJson(const HeadCalibration& result, const HeadPlan& plan, const 
   for (const calibrate::HeadParameterFinding& finding :
        result.iterations.at(result.best).head.fit.parameters())
     json["parameters"].push_back(jsonOf(finding));
-  json["digest"] = base::sha256(json.dump());
+  json["digest"] = base::sha256(json.dump(-1, ' ', false, decltype(json)::error_handler_t::replace));
   json["command"] = facts.command;
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, decltype(json)::error_handler_t::replace) + "\n";
 }
 
 }  // namespace kerfbench::head_service

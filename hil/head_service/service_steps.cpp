@@ -141,7 +141,7 @@ std::string ServiceSteps::json() const {
             {"kerfbench", facts_.version}, {"headline", headline()}, {"verdict", verdict_},
             {"steps", Json::array()}};
   for (const ServiceStep& step : all()) json["steps"].push_back(jsonOf(step));
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, decltype(json)::error_handler_t::replace) + "\n";
 }
 
 void ServiceSteps::write() const {

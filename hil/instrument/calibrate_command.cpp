@@ -14,6 +14,7 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/terminal.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/camera/residual_map.h"
 #include "hil/calibrate/camera/target_print.h"
@@ -148,7 +149,7 @@ void tell(const calibrate::CameraCalibrationResult& result, base::Console& conso
 }
 
 int refused(const std::string& why) {
-  std::fputs((why + "\n").c_str(), stderr);
+  base::toTerminal(stderr, why + "\n");
   return base::kExitInput;
 }
 

@@ -13,6 +13,7 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/terminal.h"
 #include "hil/base/version.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/camera/png.h"
@@ -120,12 +121,11 @@ void tellQuantities(const gauge::GaugeSection& section, base::Console& console) 
 int repeatCase(const gauge::GaugeSetup& setup, const GaugeCommandOptions& options, base::Console& console) {
   const auto id = gauge::caseFromName(options.test_case);
   if (!id) {
-    std::fputs(
+    base::toTerminal(
+        stderr,
         fmt::format("--case: '{}' is no case; like static-bad-17, presets static, dynamic, ideal, studies "
                     "bad, good, coverage, repeat, relay, grr, still, stillrepeat\n",
-                    options.test_case)
-            .c_str(),
-        stderr);
+                    options.test_case));
     return base::kExitUsage;
   }
   if (gauge::watchesSpot(id->study)) {

@@ -62,7 +62,7 @@ std::string checkJson(const calibrate::QuickCheckResult& result, const head_serv
             {"words", result.words}};
   for (const calibrate::DriftFinding& drift : result.drifts) json["drifts"].push_back(jsonOf(drift));
   json["command"] = command;
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, decltype(json)::error_handler_t::replace) + "\n";
 }
 
 void tell(const calibrate::QuickCheckResult& result, const head_service::MeasuredSheet& sheet,

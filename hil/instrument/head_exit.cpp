@@ -7,6 +7,7 @@
 
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/terminal.h"
 #include "hil/cli/run_guarded.h"
 #include "hil/head_service/sheet_by_hand.h"
 
@@ -16,7 +17,7 @@ int guardedHead(const std::filesystem::path& machine, const std::string& so,
                 const std::function<int()>& work) {
   constexpr int kExitInvalid = 3;
   const auto invalid = [&](const char* why) {
-    std::fputs(fmt::format("{}\nINVALID: {}\n", why, so).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("{}\nINVALID: {}\n", why, so));
     return kExitInvalid;
   };
   try {

@@ -184,7 +184,7 @@ std::string reversalJson(const Seen& seen, const calibrate::ReversalResult& resu
   for (const auto& [number, error_mm] : shares.head)
     json["head"].push_back({{"number", number}, {"off_mm", {error_mm.x(), error_mm.y()}}});
   json["command"] = command;
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, decltype(json)::error_handler_t::replace) + "\n";
 }
 
 void tell(const Seen& seen, const calibrate::ReversalResult& result, base::Console& console) {

@@ -12,6 +12,7 @@
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
+#include "hil/base/terminal.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/camera/calibrate_camera.h"
 #include "hil/calibrate/files/day.h"
@@ -65,7 +66,7 @@ int calibrate(const ScannerCommandOptions& options) {
 
 int calibrateScannerCommand(const ScannerCommandOptions& options) {
   const auto refused = [](const std::string& why) {
-    std::fputs((why + "\n").c_str(), stderr);
+    base::toTerminal(stderr, why + "\n");
     return base::kExitInput;
   };
   try {

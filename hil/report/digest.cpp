@@ -116,13 +116,16 @@ Json wholePulseJson(const PulseTiming& t) {
   return pulse;
 }
 
+/// Bytes that are not UTF-8, of a layer's name for one, are U+FFFD.
+std::string written(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 /// The sum of a JSON object as Json::dump() would write it, member by member: a long run's would fill memory.
 class SumOfObject {
  public:
   /// Adds a member. Names ascend.
   void add(const char* name, const Json& value) {
     begin(name);
-    sum_.add(value.dump());
+    sum_.add(written(value));
   }
   /// Adds a list, if there is anything in it; `items` are pointers.
   template <typename Items, typename ToJson>
@@ -131,7 +134,7 @@ class SumOfObject {
     begin(name);
     const char* separator = "[";
     for (const auto& item : items) {
-      sum_.add(separator + Json(toJson(*item)).dump());
+      sum_.add(separator + written(toJson(*item)));
       separator = ",";
     }
     sum_.add("]");
@@ -143,7 +146,7 @@ class SumOfObject {
 
  private:
   void begin(const char* name) {
-    sum_.add(separator_ + Json(name).dump() + ":");
+    sum_.add(separator_ + written(name) + ":");
     separator_ = ",";
   }
 
@@ -220,7 +223,7 @@ std::string inputsDigestOf(const RunReport& report) {
   root["seed"] = report.seed;
   root["twin"] = report.model.twin;
   root["imperfections"] = report.model.imperfections;
-  return base::sha256(root.dump());
+  return base::sha256(written(root));
 }
 
 }  // namespace kerfbench::report

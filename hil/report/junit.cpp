@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
+#include "hil/base/utf8.h"
 #include "hil/report/headline.h"
 #include "hil/report/html_text.h"
 #include "hil/report/run_report.h"
@@ -19,8 +20,8 @@ void addOutcome(pugi::xml_node test_case, inspect::Verdict verdict, const std::s
   node.append_attribute("type") = verdict == inspect::Verdict::kInvalid     ? "Invalid"
                                   : verdict == inspect::Verdict::kNotProven ? "NotProven"
                                                                             : "Failure";
-  node.append_attribute("message") = message.c_str();
-  node.text() = text.c_str();
+  node.append_attribute("message") = base::markupText(message).c_str();
+  node.text() = base::markupText(text).c_str();
 }
 
 void addProperties(const RunReport& report, const Digests& digests, pugi::xml_node suite) {
@@ -28,7 +29,7 @@ void addProperties(const RunReport& report, const Digests& digests, pugi::xml_no
   const auto property = [&](const char* key, const std::string& value) {
     pugi::xml_node node = properties.append_child("property");
     node.append_attribute("name") = key;
-    node.append_attribute("value") = value.c_str();
+    node.append_attribute("value") = base::markupText(value).c_str();
   };
   property("verdict", std::string(inspect::verdictName(report.result.verdict)));
   property("digest", digests.results);
@@ -65,7 +66,7 @@ std::string junitXml(const RunReport& report, const Digests& digests) {
   declaration.append_attribute("encoding") = "UTF-8";
   pugi::xml_node suites = document.append_child("testsuites");
   pugi::xml_node suite = suites.append_child("testsuite");
-  const std::string name = report.scenario.empty() ? "kerfbench" : report.scenario;
+  const std::string name = report.scenario.empty() ? "kerfbench" : base::markupText(report.scenario);
   for (pugi::xml_node node : {suites, suite}) {
     node.append_attribute("name") = name.c_str();
     node.append_attribute("tests") = tests;
@@ -97,8 +98,10 @@ std::string junitXml(const RunReport& report, const Digests& digests) {
     addOutcome(testCase(check.name), check.verdict, message, check.explanation);
   }
   for (const inspect::Unjudged& unjudged : result.unjudged) {
+    const std::string reason =
+        fmt::format("{}: {}", unjudged.applies ? "not judged" : "not applicable", unjudged.reason);
     testCase(unjudged.name).append_child("skipped").append_attribute("message") =
-        fmt::format("{}: {}", unjudged.applies ? "not judged" : "not applicable", unjudged.reason).c_str();
+        base::markupText(reason).c_str();
   }
   std::ostringstream out;
   document.save(out, "  ");

@@ -112,10 +112,15 @@ inspect::Tolerances readTolerances(base::YamlReader& checks, const Scenario& s) 
 }
 
 void readName(base::YamlReader& file, Scenario& s) {
+  constexpr std::size_t kLongestName = 100;
   constexpr const char* kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
   s.name = file.text("name");
   if (s.name.empty() || s.name.find_first_not_of(kAllowed) != std::string::npos || s.name.front() == '.')
     file.fault("name", "use letters, digits, '-', '_' and '.': it names the results folder");
+  // With what is added to it, a replay's name for one, it has to be a name of a file still.
+  if (s.name.size() > kLongestName)
+    file.fault("name", fmt::format("has {} letters, and at most {} make a folder's name", s.name.size(),
+                                   kLongestName));
   s.title = file.text("title", "");
 }
 

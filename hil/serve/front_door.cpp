@@ -67,7 +67,9 @@ base::UniqueFd listeningAt(const ServerAddress& wanted) {
 }  // namespace
 
 std::string refusalBytes(int status, const std::string& sentence) {
-  const std::string body = nlohmann::json{{"error", sentence}}.dump() + "\n";
+  const std::string body =
+      nlohmann::json{{"error", sentence}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) +
+      "\n";
   return fmt::format(
       "HTTP/1.1 {} Refused\r\nContent-Type: application/json\r\nContent-Length: {}\r\nCache-Control: "
       "no-store\r\n"

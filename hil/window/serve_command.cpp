@@ -24,6 +24,7 @@
 
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
+#include "hil/base/terminal.h"
 #include "hil/base/unique_fd.h"
 #include "hil/batch/stop_signals.h"
 #include "hil/serve/window.h"
@@ -34,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void tell(const std::string& line) {
-  std::fputs((line + "\n").c_str(), stdout);
+  base::toTerminal(stdout, line + "\n");
   std::fflush(stdout);
 }
 
@@ -155,9 +156,9 @@ int guarded(const Work& work) {
   try {
     return work();
   } catch (const base::InputError& e) {
-    std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("{}\n", e.what()));
   } catch (const fs::filesystem_error& e) {
-    std::fputs(fmt::format("{}: {}\n", e.path1().string(), e.code().message()).c_str(), stderr);
+    base::toTerminal(stderr, fmt::format("{}: {}\n", e.path1().string(), e.code().message()));
   }
   return base::kExitInput;
 }

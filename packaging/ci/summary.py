@@ -18,10 +18,12 @@ MEANING = {0: "PASS", 1: "FAIL", 3: "INVALID: the evidence cannot be trusted", 4
 
 
 def cell(text):
-    """Text in a cell of a Markdown table: no markup of its own, no HTML, one line."""
-    text = re.sub(r"[\x00-\x1f\x7f]+", " ", str(text))
+    """Text in a cell of a Markdown table: no markup of its own, no HTML, one line. Nobody is mentioned, no issue and no address is
+    linked: GitHub and GitLab look for these behind all escapes, so that an invisible character parts them."""
+    text = re.sub(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]+", " ", str(text))[:300]
+    text = re.sub(r"[@#!$%~&](?=\w)|(?<=\w)://|www(?=\.)", lambda found: found[0] + "\u200b", text)
     text = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    return re.sub(r"([\\`*_{}\[\]()#+!|~@])", r"\\\1", text)[:300]
+    return re.sub(r"([\\`*_{}\[\]()#+!|~@])", r"\\\1", text)
 
 
 def newest(folder, name):

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kerfplan: the host half of the reference controller as a program of its own.
 #include <cstdio>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <set>
@@ -35,6 +34,7 @@
 #include "firmware_under_test/planner/program/program.h"
 #include "firmware_under_test/planner/program/selection.h"
 #include "hil/base/console.h"
+#include "hil/base/terminal.h"
 #include "hil/base/version.h"
 #include "hil/command_line/dialogue_cli.h"
 #include "hil/dieline/geometry.h"
@@ -87,7 +87,7 @@ dieline::Dieline readInput(const Options& options) {
   drawing.progress = base::progressOn(console);
   dieline::Dieline dieline = dieline::readDieline(options.input, drawing);
   console.endProgress();
-  for (const std::string& note : dieline.notes) std::cerr << "note: " << note << '\n';
+  for (const std::string& note : dieline.notes) base::toTerminal(stderr, "note: " + note + "\n");
   if (dieline.entities.empty()) throw planner::PlanError(options.input + ": no entities");
   return dieline;
 }
@@ -112,7 +112,8 @@ std::string gcodeOf(const Options& options) {
   const dieline::Dieline dieline = chosenOf(options);
   std::string gcode = planner::makeGcode(dieline, options.machine, options.job);
   if (compensates) {
-    for (const std::string& note : planner::compensate(dieline, options.job).notes) std::cerr << note << '\n';
+    for (const std::string& note : planner::compensate(dieline, options.job).notes)
+      base::toTerminal(stderr, note + "\n");
   }
   return gcode;
 }
@@ -120,12 +121,12 @@ std::string gcodeOf(const Options& options) {
 /// Prints all errors to standard error, or the demands of the job.
 int check(const Options& options, const std::string& gcode) {
   const planner::CheckResult checked = planner::checkJob(gcode, options.machine, options.job);
-  for (const std::string& warning : checked.warnings) std::cerr << "warning: " << warning << '\n';
-  for (const std::string& error : checked.errors) std::cerr << error << '\n';
+  for (const std::string& warning : checked.warnings) base::toTerminal(stderr, "warning: " + warning + "\n");
+  for (const std::string& error : checked.errors) base::toTerminal(stderr, error + "\n");
   if (!checked.errors.empty()) return kBadInput;
-  std::cout << planner::summaryOf(options.input, checked,
-                                  planner::planFromGcode(gcode, options.machine, options.job),
-                                  options.machine, options.job);
+  base::toTerminal(stdout, planner::summaryOf(options.input, checked,
+                                              planner::planFromGcode(gcode, options.machine, options.job),
+                                              options.machine, options.job));
   return 0;
 }
 
@@ -327,7 +328,7 @@ void comparePowerLoops(const Options& options, const std::string& gcode) {
     planner::writeOutput(options.output, planner::loopPlot(wanted_w, loop));
     if (options.output == "-") return;
   }
-  std::cout << planner::loopTable(wanted_w, loop);
+  base::toTerminal(stdout, planner::loopTable(wanted_w, loop));
 }
 
 /// Runs the commands; returns the exit code.
@@ -342,7 +343,7 @@ int run(const Commands& commands, const planner::StripCommands& strip, Options& 
   if (commands.order->parsed()) {
     if (isGcode(options.input))
       throw planner::PlanError(options.input + ": an order is chosen for a drawing");
-    std::cout << planner::orderTable(chosenOf(options), options.machine, options.job);
+    base::toTerminal(stdout, planner::orderTable(chosenOf(options), options.machine, options.job));
     return 0;
   }
   const std::string text = gcodeOf(options);
@@ -397,18 +398,18 @@ int main(int argc, char** argv) try {
   if (compensate.run() || prove.run() || power.run() || library.run()) return 0;
   return run(commands, strip, options);
 } catch (const planner::PlanError& error) {
-  std::cerr << error.what() << '\n';
+  base::toTerminal(stderr, fmt::format("{}\n", error.what()));
   return kBadInput;
 } catch (const planner::PowerError& error) {
-  std::cerr << error.what() << '\n';
+  base::toTerminal(stderr, fmt::format("{}\n", error.what()));
   return kBadInput;
 } catch (const dieline::DielineError& error) {
-  std::cerr << error.what() << '\n';
+  base::toTerminal(stderr, fmt::format("{}\n", error.what()));
   return kBadInput;
 } catch (const std::system_error& error) {
-  std::cerr << error.what() << '\n';
+  base::toTerminal(stderr, fmt::format("{}\n", error.what()));
   return kBadInput;
 } catch (const std::exception& error) {
-  std::cerr << "kerfplan: " << error.what() << '\n';
+  base::toTerminal(stderr, fmt::format("kerfplan: {}\n", error.what()));
   return kBroken;
 }

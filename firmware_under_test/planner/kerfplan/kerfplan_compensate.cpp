@@ -3,7 +3,6 @@
 
 #include <array>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <vector>
 
@@ -17,6 +16,7 @@
 #include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/kerfplan/output_text.h"
 #include "firmware_under_test/planner/order/kerf.h"
+#include "hil/base/terminal.h"
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 
@@ -202,7 +202,7 @@ bool CompensateCommand::run() const {
       SpaceContour contour = readSpaceContour(inputText(o.input), o.input, o.chord_error_mm);
       contour.side = o.side;
       const SpacePath path = offsetInSpace(contour, o.job.kerf_radius_mm, o.limits, o.joints);
-      std::cerr << spaceSummary(contour, path, o.joints, o.job.kerf_radius_mm);
+      base::toTerminal(stderr, spaceSummary(contour, path, o.joints, o.job.kerf_radius_mm));
       writeOutput(o.output, writePoses(posesOf(path.points)));
     } catch (const CompensationError& error) {
       throw PlanError(o.input + ":\n" + error.what());
@@ -211,8 +211,8 @@ bool CompensateCommand::run() const {
   }
   const dieline::Dieline dieline = dieline::readDieline(o.input, dieline::drawingOptionsFrom(o.drawing));
   const Compensated done = compensate(dieline, o.job);
-  std::cout << planeSummary(done);
-  for (const std::string& note : done.notes) std::cout << note << '\n';
+  base::toTerminal(stdout, planeSummary(done));
+  for (const std::string& note : done.notes) base::toTerminal(stdout, note + "\n");
   if (o.output.empty()) return true;
   std::vector<std::vector<Segment>> contours;
   std::vector<std::vector<Segment>> paths;
@@ -245,7 +245,7 @@ bool ProveCommand::run() const {
   }
   if (!proof.holds())
     throw std::runtime_error("the proof does not hold, see " + (folder / "compensation.md").string());
-  std::cout << "the proof holds: " << (folder / "compensation.md").string() << '\n';
+  base::toTerminal(stdout, fmt::format("the proof holds: {}\n", (folder / "compensation.md").string()));
   return true;
 }
 

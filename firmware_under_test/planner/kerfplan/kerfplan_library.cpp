@@ -2,7 +2,6 @@
 #include "firmware_under_test/planner/kerfplan/kerfplan_library.h"
 
 #include <filesystem>
-#include <iostream>
 #include <set>
 #include <system_error>
 #include <vector>
@@ -12,6 +11,7 @@
 
 #include "firmware_under_test/planner/power/library_folder.h"
 #include "hil/base/installation.h"
+#include "hil/base/terminal.h"
 
 namespace kerfbench::planner {
 
@@ -52,7 +52,7 @@ bool LibraryCommand::run() const {
   if (options_->library.empty())
     throw PowerError("no library is shipped with this program: give a --library");
   const LibraryFolder library(options_->library);
-  if (list_->parsed()) std::cout << libraryTable(library);
+  if (list_->parsed()) base::toTerminal(stdout, libraryTable(library));
   if (show_->parsed()) {
     std::set<fs::path> wanted;
     std::string refusal;
@@ -65,12 +65,13 @@ bool LibraryCommand::run() const {
     }
     if (wanted.empty()) throw PowerError(refusal);
     for (const LibraryEntry& entry : library.entries())
-      if (wanted.count(entry.file) > 0) std::cout << entryPage(entry);
+      if (wanted.count(entry.file) > 0) base::toTerminal(stdout, entryPage(entry));
   }
   if (check_->parsed()) {
     const std::vector<std::string> faults = library.faults();
     if (!faults.empty()) throw PowerError(fmt::format("{}", fmt::join(faults, "\n")));
-    std::cout << fmt::format("{}: {} entries, nothing wrong\n", options_->library, library.entries().size());
+    base::toTerminal(
+        stdout, fmt::format("{}: {} entries, nothing wrong\n", options_->library, library.entries().size()));
   }
   return true;
 }

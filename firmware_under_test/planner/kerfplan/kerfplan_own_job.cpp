@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware_under_test/planner/kerfplan/kerfplan_own_job.h"
+#include "hil/base/terminal.h"
 
-#include <iostream>
 #include <map>
 
 namespace kerfbench::planner {
@@ -38,7 +38,7 @@ std::string ownJobSource(const OwnJobOptions& options, const std::string& input,
   Mcs51Controller controller = options.controller;
   controller.tick_s = options.tick_us / kMicrosecondsPerSecond;
   const OwnJob made = makeOwnJob(input.substr(input.find_last_of('/') + 1), gcode, machine, job, controller);
-  std::cerr << made.summary;
+  base::toTerminal(stderr, made.summary);
   return made.source;
 }
 

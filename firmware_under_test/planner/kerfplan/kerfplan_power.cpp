@@ -2,7 +2,6 @@
 #include "firmware_under_test/planner/kerfplan/kerfplan_power.h"
 
 #include <cmath>
-#include <iostream>
 #include <optional>
 #include <vector>
 
@@ -10,6 +9,7 @@
 
 #include "firmware_under_test/planner/kerfplan/kerfplan_library.h"
 #include "firmware_under_test/planner/power/library_folder.h"
+#include "hil/base/terminal.h"
 
 namespace kerfbench::planner {
 
@@ -127,7 +127,8 @@ bool PowerCommand::run() const {
   if (model->wish().half_depth_mm) depths.push_back(*model->wish().half_depth_mm);
   for (const double depth : depths) {
     const bool told = !options_->speeds_mm_s.empty();
-    std::cout << powerTable(*model, depth, told ? options_->speeds_mm_s : tableSpeeds(*model, depth));
+    base::toTerminal(stdout,
+                     powerTable(*model, depth, told ? options_->speeds_mm_s : tableSpeeds(*model, depth)));
     for (const double speed : options_->speeds_mm_s) {
       const std::string fault = outOfReach(*model, speed, depth);
       if (!fault.empty()) addFault(faults, fault);

@@ -2,7 +2,6 @@
 #include "firmware_under_test/planner/kerfplan/kerfplan_strip.h"
 
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include "firmware_under_test/planner/strip/strip_path.h"
 #include "firmware_under_test/planner/strip/strip_pictures.h"
 #include "firmware_under_test/planner/strip/throughput.h"
+#include "hil/base/terminal.h"
 
 namespace kerfbench::planner {
 
@@ -86,7 +86,7 @@ bool StripCommands::run() const {
   const CrossCut cut = crossCutOf(o.width_mm, machine_, job_);
   const fs::path pictures = o.pictures;
   if (throughput_->parsed()) {
-    std::cout << throughputTable(cut, machine_, job_);
+    base::toTerminal(stdout, throughputTable(cut, machine_, job_));
     if (!pictures.empty())
       writeChart(pictures, "strip-time.svg", throughputPicture(throughputOf(cut, machine_, job_)));
     return true;
@@ -98,10 +98,11 @@ bool StripCommands::run() const {
                            : "--feed-profile is for --method mean-speed");
   const StripPath path(cut, o.method, varies ? StripFeed::parse(o.feed_profile) : StripFeed(cut.feed_mm_s),
                        o.pieces);
-  std::cout << stripSpans(path);
+  base::toTerminal(stdout, stripSpans(path));
   if (varies)
-    std::cout << fmt::format("the head leaves the line that the strip carries by {:.3f} mm at most\n",
-                             path.farthestOffMm());
+    base::toTerminal(stdout,
+                     fmt::format("the head leaves the line that the strip carries by {:.3f} mm at most\n",
+                                 path.farthestOffMm()));
   if (!o.output.empty()) writeOutput(o.output, stripTable(path, o.every_s));
   if (!pictures.empty()) {
     writeChart(pictures, "strip-way.svg", stripPathPicture(path));

@@ -176,5 +176,45 @@ TEST(YamlValue, IsWhatMayStandBehindAKey) {
   for (const char* bad : {"", "[1", "a\nb: 2", "a: b", "}"}) EXPECT_FALSE(isYamlValue(bad)) << bad;
 }
 
+TEST_F(YamlReaderTest, RefusesControlCharactersInTextsAndShowsNone) {
+  auto file = open(
+      "a: \"\\e[31m\"\nb: [\"x\\x9b2J\"]\nc: {\"\\a\": cut}\n\"k\\e[2J\": 1\nd: \"two\\nlines\\tare text\"\n"
+      "e: \"\\e]0;x\"\nf: \"\\e[1m\"\n");
+  (void)file.text("a");
+  (void)file.texts("b");
+  (void)file.pairs("c");
+  EXPECT_EQ(file.text("d"), "two\nlines\tare text");
+  (void)file.choice("e", {"left"});
+  (void)file.number("f", {});
+  const std::string faults = faultsOf(file);
+  EXPECT_THAT(faults, HasSubstr("yaml:1: a: has a control character"));
+  EXPECT_THAT(faults, HasSubstr("yaml:2: b: element 0 has a control character"));
+  EXPECT_THAT(faults, HasSubstr("yaml:3: c: has a control character"));
+  EXPECT_THAT(faults, HasSubstr("yaml:4: k?[2J: unknown key"));
+  EXPECT_THAT(faults, HasSubstr("'?]0;x' is none of: left"));
+  EXPECT_THAT(faults, HasSubstr("'?[1m' is not a number"));
+  EXPECT_EQ(faults.find('\x1b'), std::string::npos);
+  EXPECT_EQ(faults.find('\x9b'), std::string::npos);
+}
+
+TEST_F(YamlReaderTest, TakesOneDocumentAlone) {
+  EXPECT_THROW(open("a: 1\n---\na: 2\n"), ConfigError);
+  auto file = open("---\na: 1\n...\n");
+  EXPECT_EQ(file.integer("a", {}), 1);
+  auto empty_behind = open("a: 1\n---\n");
+  EXPECT_EQ(empty_behind.integer("a", {}), 1);
+}
+
+TEST_F(YamlReaderTest, SaysNoMoreThanSomebodyCanRead) {
+  std::string many;
+  for (int i = 0; i < 20'000; ++i) many += "key" + std::to_string(i) + ": 1\n";
+  auto file = open(many);
+  const std::string faults = faultsOf(file);
+  EXPECT_THAT(faults, HasSubstr(": 19950 faults more"));
+  EXPECT_LT(faults.size(), 64U * 1024U);
+  auto one = open(std::string(100'000, 'k') + ": 1\n");
+  EXPECT_LT(faultsOf(one).size(), 1000U);
+}
+
 }  // namespace
 }  // namespace kerfbench::base

@@ -166,6 +166,8 @@ TEST(HostileCf2, IsToldWhereItBreaks) {
   EXPECT_THAT(cf2Faults("", "SUB,A\nL,2,1,0,0,0,10,5\n"), HasSubstr("'SUB A' is never ended"));
   EXPECT_THAT(cf2Faults("", "L,2,1,0,0,0,10,5\n"), HasSubstr("outside of MAIN and SUB"));
   EXPECT_THAT(faultsOf(".cf2", "$BOF\nV2\n$EOF\n"), HasSubstr("has no MAIN"));
+  EXPECT_THAT(faultsOf(".cf2", "root:x:0:0\nroot:x:0:0\n"), HasSubstr(":1: begins with no record of CF2"));
+  EXPECT_EQ(faultsOf(".cf2", "root:x:0:0\n").find("root"), std::string::npos);
   EXPECT_THAT(faultsOf(".cf2", "$BOF\nV2\nORDER\n"), HasSubstr("'ORDER' is never ended"));
   EXPECT_THAT(faultsOf(".cf2", "$BOF\nV1\nMAIN,A\n"), HasSubstr("save it as CFF2"));
 }

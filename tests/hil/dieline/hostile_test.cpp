@@ -14,6 +14,7 @@ namespace kerfbench::dieline {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 std::string contents(const std::string& name) {
   std::ostringstream text;
@@ -24,6 +25,9 @@ std::string contents(const std::string& name) {
 TEST(HostileDxf, IsToldWhereItBreaks) {
   EXPECT_THAT(faultsOf(".dxf", "0\nSECTION\n2\nENTITIES\nhello\nworld\n"),
               HasSubstr(":5: expected a group code, found 'hello'"));
+  EXPECT_THAT(faultsOf(".dxf", "root:x:0:0\n"),
+              HasSubstr(":1: expected a group code: this is no DXF drawing"));
+  EXPECT_THAT(faultsOf(".dxf", "root:x:0:0\n"), Not(HasSubstr("root")));
   EXPECT_THAT(faultsOf(".dxf", "0\nSECTION\n2\nENTITIES\n0"), HasSubstr(":5: the file ends inside a group"));
   EXPECT_THAT(faultsOf(".dxf", "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n"), HasSubstr("without EOF"));
   EXPECT_THAT(faultsOf(".dxf", "0\nSECTION\n2\nENTITIES\n0\nEOF\n"), HasSubstr("no ENDSEC"));

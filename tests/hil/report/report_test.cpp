@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
+#include "hil/base/utf8.h"
 #include "hil/dieline/geometry.h"
 #include "hil/report/html_text.h"
 #include "tests/hil/inspect/synthetic_run.h"
@@ -133,6 +134,24 @@ TEST(ModelFactsTest, WhatWasDrawnStandsWithItsUnitAndAllItsDigits) {
   EXPECT_THAT(html, HasSubstr("Imperfections <b>static</b>, seed 42, model <b>reference</b>"));
   EXPECT_THAT(html, HasSubstr("<td>galvo_x.zero<td class=num>4.5e-06<td>rad"));
   EXPECT_THAT(html, HasSubstr("&lt;relative&gt;"));
+}
+
+TEST(JunitXml, IsWellFormedWhateverWordsItHas) {
+  inspect::testing::SyntheticRun run = badRun();
+  RunReport report = reportOf(run);
+  const std::string hostile = "\x1b[31m\x01 \xff\xc0 ]]> <kb onkb='1'> &amp \xef\xbf\xbe";
+  report.scenario += hostile;
+  report.firmware = report.machine = report.repeat_command = hostile;
+  report.result.problems = {hostile};
+  for (inspect::Check& check : report.result.checks) check.explanation = hostile;
+  for (inspect::Unjudged& unjudged : report.result.unjudged) unjudged.reason = hostile;
+  const std::string text = junitOf(report);
+  EXPECT_EQ(base::markupText(text), text);
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(text.c_str()));
+  EXPECT_TRUE(document.select_nodes("//kb").empty());
+  EXPECT_TRUE(document.select_nodes("//@onkb").empty());
+  EXPECT_FALSE(digestsOf(report).results.empty());  // Bytes that are not UTF-8 break nothing there either.
 }
 
 TEST(JunitXml, CountsWhatItLists) {
