@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Makes hostile files of every kind that the bench reads, and gives each to the command that reads it, within limits: what is
+the exit code, how much time and memory does it take, what is said? Writes RESULTS.md.
+
+Exit code: 0 nothing is wrong, 1 something is (each is named), 2 something broke, 64 usage."""
+import argparse
+import collections
+import fnmatch
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import bounded
+import cases
+import children
+import configurations
+import drawings
+import evidence
+import readers
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+YAML_READERS = ("scenario", "machine", "fold", "suite", "campaign", "material", "edited")
+
+
+def all_cases(bench):
+    made = []
+    for reader in readers.READERS:
+        made += cases.common(reader.name, bench.sound / reader.sound, reader.is_text)
+        if reader.name in YAML_READERS:
+            made += configurations.yaml_cases(reader.name, (bench.sound / reader.sound).read_text())
+    made += drawings.dxf_cases() + drawings.svg_cases() + drawings.other_cases()
+    made += configurations.scenario_cases() + configurations.plan_cases()
+    made += evidence.vcd_cases() + evidence.trace_cases() + evidence.table_cases() + evidence.picture_cases() + evidence.image_cases()
+    return made + children.child_cases()
+
+
+class Row:
+    """A case that was tried."""
+
+    def __init__(self, case, outcome, wrong, command):
+        self.case, self.outcome, self.wrong, self.command = case, outcome, wrong, command
+
+    def line(self):
+        words = f"{self.case.name()}: {self.outcome.ended()}, {self.outcome.cpu_s:.2f} s, {self.outcome.memory >> 20} MiB"
+        return words + "".join(f"\n    {fault}" for fault in self.wrong) + (
+            f"\n    {self.command}\n    {bounded.shown(self.outcome.first_line())[:200]}" if self.wrong else "")
+
+
+def try_one(case, bench, seed, top, sound):
+    """Makes the file, gives it to its reader, removes it."""
+    reader = next(r for r in readers.READERS if r.name == case.reader)
+    place = pathlib.Path(tempfile.mkdtemp(prefix="case-", dir=top))
+    try:
+        file = cases.path_in(place, case, reader.suffix)
+        case.make(file, cases.draw_for(case, seed))
+        case.named.append(reader.sound if reader.where else file.name)
+        if reader.where:
+            case.named.append(reader.where)
+        case.codes = tuple(case.codes) + tuple(reader.codes)
+        command = bench.command(reader, file, place, case.extra)
+        outcome = bench.runner.run(command, str(place))
+        told = " ".join([os.path.basename(command[0]), *command[1:]]).replace(str(place), "OUT").replace(str(bench.sound), "SOUND")
+        outcome.words = outcome.words.replace(str(place), "OUT")
+        return Row(case, outcome, bounded.faults(case, outcome, sound[reader.name]), bounded.shown(told).replace("OUT/OUT", "OUT"))
+    finally:
+        shutil.rmtree(place, ignore_errors=True)
+
+
+def kept_short(text, most=110):
+    text = bounded.shown(text).replace("|", "\\|").replace("`", "'")
+    return text if len(text) <= most else text[:most] + "…"
+
+
+def sums(rows):
+    """A line for each kind of file, and one for each reader."""
+    lines = []
+    for title, key in (("kind", lambda row: row.case.group), ("reader", lambda row: row.case.reader)):
+        lines += [f"| {title} | files | exit codes | most CPU, s | most memory, MiB | wrong |", "|---|---|---|---|---|---|"]
+        groups = collections.defaultdict(list)
+        for row in rows:
+            groups[key(row)].append(row)
+        for name, group in sorted(groups.items()):
+            codes = collections.Counter(row.outcome.ended() for row in group)
+            lines.append(f"| {name} | {len(group)} | {', '.join(f'{code}: {n}' for code, n in sorted(codes.items()))} | "
+                         f"{max(row.outcome.cpu_s for row in group):.1f} | {max(row.outcome.memory for row in group) >> 20} | "
+                         f"{sum(bool(row.wrong) for row in group)} |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+def page(rows, sound, seed):
+    made_with = subprocess.run([sys.executable, "-B", str(ROOT / "tests/figures/stamp.py"), "--line", "hostile", f"seed {seed}"],
+                               capture_output=True, text=True, check=True).stdout.strip()
+    table = "\n".join(f"| {row.case.name()} | {row.outcome.ended()} | {row.outcome.cpu_s:.2f} | {row.outcome.memory >> 20} | "
+                      f"{kept_short(row.outcome.first_line())} | {'; '.join(row.wrong)} |" for row in rows)
+    commands = "\n".join(f"| {reader.name} | `{reader.command}` | {sound[reader.name].cpu_s:.2f} | {sound[reader.name].memory >> 20} |"
+                         for reader in readers.READERS)
+    honest = "\n".join(f"- {row.case.name()}: {row.case.honest[0]:.0f} s, {row.case.honest[1] >> 20} MiB" for row in rows if row.case.honest)
+    return f"""<!-- SPDX-License-Identifier: Apache-2.0 -->
+# Hostile files
+
+{made_with}
+
+`./bench hostile` makes {len(rows)} files that are broken, or made to harm, and gives each to the command that reads such files.
+Wrong is: an exit code other than {', '.join(map(str, bounded.CODES))} (75 where runs of a campaign are missing), an end by a signal, no end within
+{bounded.STOP_WALL_S} s, more than {bounded.MOST_CPU_S:.0f} s of processor beside what a sound file takes, more than {bounded.MOST_MEMORY >> 20} MiB of memory, a refusal that names no
+file, control characters or lines that a CI server obeys in the output, more than {bounded.MOST_WORDS >> 10} KiB of words, and words of a file that is not
+of the kind that was asked for. {sum(bool(row.wrong) for row in rows)} of {len(rows)} are wrong.
+
+{sums(rows)}
+Files that are sound and large may take more:
+
+{honest}
+
+## The commands
+
+`FILE` is the hostile file, `SOUND` a folder with a sound file of each kind, `COPY` a copy of a sound folder in which one file is hostile, `OUT` an
+empty folder. The figures are those of the sound file.
+
+| reader | command | CPU, s | memory, MiB |
+|---|---|---|---|
+{commands}
+
+## Each file
+
+| file | exit code | CPU, s | memory, MiB | first line | wrong |
+|---|---|---|---|---|---|
+{table}
+"""
+
+
+def parse():
+    parser = argparse.ArgumentParser(prog="bench hostile", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="only these, as reader/kind; * stands for any text. No page is written")
+    parser.add_argument("--quick", action="store_true", help="some of each sort. No page is written")
+    parser.add_argument("--list", action="store_true", help="only say which files there are")
+    parser.add_argument("--seed", type=int, default=1, help="seed of what is drawn (1)")
+    parser.add_argument("--page", type=pathlib.Path, default=HERE / "RESULTS.md", help="where the table is written")
+    try:
+        return parser.parse_args()
+    except SystemExit as end:
+        sys.exit(64 if end.code else 0)
+
+
+def main():
+    args = parse()
+    runner = bounded.Runner()
+    top = pathlib.Path(tempfile.mkdtemp(prefix="hostile-"))
+    try:
+        bench = readers.Bench(args.build, top, runner)
+        bench.prepare()
+        wanted = [case for case in all_cases(bench) if not args.quick or case.quick]
+        if args.only:
+            wanted = [case for case in wanted if any(fnmatch.fnmatchcase(case.name(), name) for name in args.only)]
+        if args.list:
+            print("\n".join(case.name() for case in wanted))
+            return 0
+        if not wanted:
+            print("bench hostile: no file is called so", file=sys.stderr)
+            return 64
+        used = {case.reader for case in wanted}
+        sound = {}
+        for reader in readers.READERS:
+            if reader.name in used:
+                sound[reader.name] = bench.costs(reader, tempfile.mkdtemp(prefix="sound-", dir=top))
+                if sound[reader.name].code not in bounded.CODES[:4] + tuple(reader.codes):
+                    print(f"{reader.name}: its sound file ends with {sound[reader.name].ended()}: {sound[reader.name].words}")
+        rows = []
+        for case in wanted:
+            rows.append(try_one(case, bench, args.seed, top, sound))
+            if rows[-1].wrong or args.only:
+                print(rows[-1].line(), flush=True)
+        wrong = sum(bool(row.wrong) for row in rows)
+        print(f"{len(rows)} hostile files, {wrong} taken wrongly")
+        if not args.only and not args.quick:
+            args.page.write_text(page(rows, sound, args.seed))
+        return 1 if wrong else 0
+    except (OSError, RuntimeError) as error:
+        print(f"bench hostile: {error}", file=sys.stderr)
+        return 2
+    finally:
+        runner.stop()
+        shutil.rmtree(top, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
