@@ -42,12 +42,22 @@ diagnose::MotionSource motionOf(const scenario::Case& test_case, const evidence:
   return motion;
 }
 
+/// A stamp at the end of all times would ask for more rows than a disk holds.
+void refuseEndless(const MotionOptions& options, double end_s) {
+  constexpr double kMostRows = 2e7;
+  if (end_s <= kMostRows * options.every_s) return;
+  throw base::InputError(
+      fmt::format("{}: lasts {:.6g} s, which makes more than {:.0f} rows of {:g} s; see --every",
+                  options.recording.string(), end_s, kMostRows, options.every_s));
+}
+
 int writeMotion(const MotionOptions& options) {
   base::Console console(options.quiet);
   const scenario::Case test_case =
       scenario::readCase(options.scenario, {options.bin_dir.parent_path() / "firmware", fs::path()});
   const source::PinRecording recording =
       live::readRecording(options.recording, test_case, base::progressOn(console));
+  refuseEndless(options, recording.rate.seconds(recording.end));
   const evidence::PinEvidence pins = evidence::pinEvidence(recording, judge::pinWiring(test_case));
   const diagnose::HeadMotion motion =
       diagnose::headMotion(motionOf(test_case, pins, recording), options.every_s);

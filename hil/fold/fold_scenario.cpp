@@ -77,12 +77,25 @@ struct Read {
   ProgramChoice program;
 };
 
+/// As of other scenarios: it names a folder.
+std::string nameOf(base::YamlReader& file) {
+  constexpr const char* kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+  constexpr std::size_t kLongest = 100;
+  const std::string name = file.text("name");
+  if (name.empty() || name.size() > kLongest || name.find_first_not_of(kAllowed) != std::string::npos ||
+      name.front() == '.')
+    file.fault("name",
+               fmt::format("use at most {} letters, digits, '-', '_' and '.': it names the results folder",
+                           kLongest));
+  return name;
+}
+
 Read readFile(base::YamlReader& file) {
   Read read;
   FoldScenario& scenario = read.scenario;
   scenario.path = file.path();
   file.integer("version", {.min = 1, .max = 1});
-  scenario.name = file.text("name");
+  scenario.name = nameOf(file);
   scenario.seed = static_cast<std::uint64_t>(file.integer("seed", {.min = 0, .max = 1e9, .fallback = 1.0}));
   read.machine = file.folderOf("machine") / file.text("machine");
   read.contour = file.folderOf("contour") / file.text("contour");

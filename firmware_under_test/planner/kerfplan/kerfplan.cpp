@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kerfplan: the host half of the reference controller as a program of its own.
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -118,11 +119,24 @@ std::string gcodeOf(const Options& options) {
   return gcode;
 }
 
+/// Faults of G-code, each with the name of its file.
+std::string withFile(const Options& options, const std::string& faults) {
+  if (!isGcode(options.input)) return faults;
+  std::string named;
+  for (std::size_t at = 0; at < faults.size();) {
+    const std::size_t end = std::min(faults.find('\n', at), faults.size());
+    const std::string line = faults.substr(at, end - at);
+    named += (named.empty() ? "" : "\n") + (line.starts_with("G-code") ? options.input + ": " : "") + line;
+    at = end + 1;
+  }
+  return named;
+}
+
 /// Prints all errors to standard error, or the demands of the job.
 int check(const Options& options, const std::string& gcode) {
   const planner::CheckResult checked = planner::checkJob(gcode, options.machine, options.job);
   for (const std::string& warning : checked.warnings) base::toTerminal(stderr, "warning: " + warning + "\n");
-  for (const std::string& error : checked.errors) base::toTerminal(stderr, error + "\n");
+  for (const std::string& error : checked.errors) base::toTerminal(stderr, withFile(options, error) + "\n");
   if (!checked.errors.empty()) return kBadInput;
   base::toTerminal(stdout, planner::summaryOf(options.input, checked,
                                               planner::planFromGcode(gcode, options.machine, options.job),
@@ -396,7 +410,11 @@ int main(int argc, char** argv) try {
   command_line::Dialogue dialogue(app, base::version());
   if (const auto told = dialogue.read(argc, argv)) return *told;
   if (compensate.run() || prove.run() || power.run() || library.run()) return 0;
-  return run(commands, strip, options);
+  try {
+    return run(commands, strip, options);
+  } catch (const planner::PlanError& error) {
+    throw planner::PlanError(withFile(options, error.what()));
+  }
 } catch (const planner::PlanError& error) {
   base::toTerminal(stderr, fmt::format("{}\n", error.what()));
   return kBadInput;

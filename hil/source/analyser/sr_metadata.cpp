@@ -83,7 +83,7 @@ SrMetadata readSrMetadata(const std::string& text, std::vector<std::string>& fau
   if (keys.empty()) return metadata;
   const auto value = [&](const std::string& key) {
     const auto found = keys.find(key);
-    if (found == keys.end()) faults.push_back("metadata: no " + key);
+    if (found == keys.end() || found->second.empty()) faults.push_back("metadata: no " + key);
     return found == keys.end() ? std::string() : found->second;
   };
   metadata.samples_name = value("capturefile");

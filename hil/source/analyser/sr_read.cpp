@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "hil/base/progress.h"
 #include "hil/source/analyser/level_runs.h"
@@ -104,9 +105,12 @@ class SrReader {
       for (unsigned i = 1; take(fmt::format("{}-{}", metadata_.samples_name, i)); ++i) {
       }
     }
-    // One that is missing in the middle would shift all that follows in time.
-    const std::string behind = fmt::format("{}-{}", metadata_.samples_name, parts_.size() + 2);
-    if (parts_.empty() || zip_.sizeOf(behind))
+    // Some that are missing in the middle would shift all that follows in time.
+    const std::string begin = metadata_.samples_name + "-";
+    const auto there =
+        std::ranges::count_if(zip_.names(), [&](const std::string& name) { return name.starts_with(begin); });
+    if (parts_.empty() ||
+        (parts_.front() != metadata_.samples_name && std::cmp_greater(there, parts_.size())))
       faults_.push_back(fmt::format("no part '{}-{}' with samples: the file is truncated",
                                     metadata_.samples_name, parts_.size() + 1));
     bytes_ = bytes;

@@ -73,6 +73,16 @@ ZipReader::ZipReader(const std::filesystem::path& path)
       handle_(std::make_unique<Handle>(openArchive(path_, ZIP_RDONLY | ZIP_CHECKCONS))) {}
 ZipReader::~ZipReader() = default;
 
+std::vector<std::string> ZipReader::names() const {
+  std::vector<std::string> names;
+  const zip_int64_t count = zip_get_num_entries(handle_->archive, 0);
+  for (zip_int64_t i = 0; i < count; ++i) {
+    if (const char* name = zip_get_name(handle_->archive, static_cast<zip_uint64_t>(i), 0))
+      names.emplace_back(name);
+  }
+  return names;
+}
+
 std::optional<std::uint64_t> ZipReader::sizeOf(const std::string& part) const {
   zip_stat_t stat;
   zip_stat_init(&stat);

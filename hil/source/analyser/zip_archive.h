@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace kerfbench::source {
 
@@ -26,6 +27,8 @@ class ZipReader {
   ZipReader(const ZipReader&) = delete;
   ZipReader& operator=(const ZipReader&) = delete;
 
+  /// Names of all parts.
+  [[nodiscard]] std::vector<std::string> names() const;
   /// Bytes of a part; nullopt: there is none.
   [[nodiscard]] std::optional<std::uint64_t> sizeOf(const std::string& part) const;
   /// Hands a part on in blocks. @throws ZipError for one that is missing or damaged (checksum).

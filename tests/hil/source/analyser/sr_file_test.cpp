@@ -142,6 +142,13 @@ TEST_F(SrFile, AllThatIsWrongIsTold) {
   Parts gap = without("logic-1-2");
   gap.emplace_back("logic-1-3", "\x01");
   EXPECT_THAT(faultsOf(zip(gap)), HasSubstr("no part 'logic-1-2' with samples: the file is truncated"));
+  Parts long_gap = without("logic-1-2");
+  long_gap.emplace_back("logic-1-4", "\x01");
+  EXPECT_THAT(faultsOf(zip(long_gap)), HasSubstr("no part 'logic-1-2' with samples: the file is truncated"));
+  EXPECT_THAT(faultsOf(zip(with("metadata", metadata("")))), HasSubstr("metadata: no samplerate"));
+  EXPECT_THAT(faultsOf(zip(with("metadata", metadata("1 MHz", "")))), HasSubstr("metadata: no unitsize"));
+  EXPECT_THAT(faultsOf(zip(with("metadata", "[device 1]\ncapturefile=\nsamplerate=1 Hz\nunitsize=1\n"))),
+              HasSubstr("metadata: no capturefile"));
   EXPECT_THAT(faultsOf(zip(with("metadata", metadata("1 MHz", "2")))), HasSubstr("half a sample"));
   Parts empty = with("logic-1-1", "");
   empty.pop_back();
