@@ -9,7 +9,7 @@ set(kerfbench_private lib/kerfbench)
 set(kerfbench_data share/kerfbench)
 
 # --- kerfbench: programs and the data that they read
-set(kerfbench_programs kerfbench kerfbench-instrument kerfplan kerfbench-mcs51 kerfbench-cortex-m)
+set(kerfbench_programs kerfbench kerfbench-instrument kerfplan kerfplan-scenario kerfbench-mcs51 kerfbench-cortex-m)
 # They read what strangers send: their tables of functions cannot be overwritten.
 get_property(native_releases GLOBAL PROPERTY KERFBENCH_NATIVE_RELEASES)
 foreach(program IN ITEMS ${kerfbench_programs} kerfbench-avr kerfbench-sigrok kerfbench-window ${native_releases})
@@ -85,7 +85,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/twin ${PROJECT_SOURCE_DIR}/hil ${PROJECT
   FILES_MATCHING PATTERN "*.h"
   PATTERN "firmware_under_test/faults" EXCLUDE PATTERN "own_jobs" EXCLUDE PATTERN "twin/validation" EXCLUDE
   PATTERN "avr_child" EXCLUDE PATTERN "mcs51_child" EXCLUDE PATTERN "cortex_m_child" EXCLUDE PATTERN "sigrok_child" EXCLUDE
-  PATTERN "hil/app" EXCLUDE PATTERN "hil/instrument" EXCLUDE PATTERN "hil/window" EXCLUDE PATTERN "planner/kerfplan" EXCLUDE
+  PATTERN "hil/app" EXCLUDE PATTERN "hil/instrument" EXCLUDE PATTERN "hil/planned_case" EXCLUDE PATTERN "hil/window" EXCLUDE PATTERN "planner/kerfplan" EXCLUDE
   PATTERN "controller/avr" EXCLUDE PATTERN "controller/mcs51" EXCLUDE PATTERN "controller/stm32" EXCLUDE PATTERN "controller/native" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION share/doc/kerfbench-dev COMPONENT dev)
 

@@ -19,6 +19,8 @@ void addPlan(CLI::App& app, const cli::CliProgram& program, cli::CliActions& act
   plan->add_option("--with", options->gcode, "G-code of one unit, planned in place of the scenario's own");
   plan->add_option("--gcode", options->gcode_out, "File for the G-code of one unit");
   plan->add_option("--preview", options->preview_out, "File for the page that plays the program (.html)");
+  plan->add_option("--program", options->program_out,
+                   "File for the controller's program, an operation per line in hex, as of kerfplan program");
   plan->add_flag("--json", options->as_json, "The plan with every period, as a line of JSON");
   actions.add(plan, [=] { return planCommand(*options); });
 }

@@ -10,6 +10,8 @@
 
 #include "firmware_under_test/planner/job/job.h"
 #include "firmware_under_test/planner/preview/preview.h"
+#include "firmware_under_test/planner/program/plan.h"
+#include "firmware_under_test/planner/program/program.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
@@ -98,15 +100,23 @@ void tellOfNew(const NewOptions& options, const std::string& text) {
   printIssues(plan["issues"], options.out);
 }
 
-/// The page that plays the program, for a scenario that fits.
-std::string previewPage(const PlanOptions& options, const std::string& text, const std::string& gcode) {
+/// Writes the page that plays the program, and the program itself, of a scenario that fits.
+void writePlanned(const PlanOptions& options, const std::string& text, const std::string& gcode) {
+  if (options.preview_out.empty() && options.program_out.empty()) return;
   const scenario::Case whole =
       scenario::caseOf(scenario::draftScenario(fs::absolute(options.scenario), text,
                                                {options.bin_dir.parent_path() / "firmware"})
                            .scenario);
-  return planner::previewHtml(whole.scenario.title.empty() ? whole.scenario.name : whole.scenario.title,
-                              gcode, scenario::targetedMachine(whole), scenario::plannerJob(whole),
-                              whole.scenario.planner_faults);
+  const planner::MachineParameters machine = scenario::targetedMachine(whole);
+  const planner::JobParameters job = scenario::plannerJob(whole);
+  const planner::PlannerFaults& faults = whole.scenario.planner_faults;
+  const std::string& title = whole.scenario.title.empty() ? whole.scenario.name : whole.scenario.title;
+  if (!options.preview_out.empty())
+    base::writeFileAtomically(options.preview_out, planner::previewHtml(title, gcode, machine, job, faults));
+  if (!options.program_out.empty())
+    base::writeFileAtomically(
+        options.program_out,
+        planner::programText(planner::planFromGcode(gcode, machine, job, faults).program));
 }
 
 /// A value as it stands behind "key: " in YAML.
@@ -139,8 +149,7 @@ int planCommand(const PlanOptions& options) {
     if (!options.gcode_out.empty())
       base::writeFileAtomically(options.gcode_out, plan["gcode"].get<std::string>());
     if (!plan["fits"]) return base::kExitInput;
-    if (!options.preview_out.empty())
-      base::writeFileAtomically(options.preview_out, previewPage(options, text, plan["gcode"]));
+    writePlanned(options, text, plan["gcode"]);
     if (options.as_json) return 0;
     const json& facts = plan["facts"];
     printLine(stdout,

@@ -15,6 +15,7 @@ struct PlanOptions {
   std::filesystem::path gcode;        ///< Planned instead of the scenario's own; empty: none.
   std::filesystem::path gcode_out;    ///< File for the G-code of one unit; empty: none is written.
   std::filesystem::path preview_out;  ///< File for the page that plays the program; empty: none.
+  std::filesystem::path program_out;  ///< File for the controller's program; empty: none.
   bool as_json{};
   std::filesystem::path bin_dir;
 };

@@ -8,20 +8,12 @@
 #include "hil/base/input_error.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/dieline/read.h"
+#include "hil/scenario/unplanned.h"
 
 namespace kerfbench::desk {
 namespace {
 
 constexpr std::string_view kGcodeKey = "planner.gcode";
-
-std::optional<std::string> whyNothingIsPlanned(const scenario::Scenario& of) {
-  using Dialog = scenario::FirmwareChoice::Dialog;
-  if (of.firmware.dialog == Dialog::kLineOk)
-    return "is line-ok: the firmware plans its own motion from firmware.gcode, and the bench plans none";
-  if (of.firmware.dialog == Dialog::kNone)
-    return "is none: the job is in the controller, and the bench plans none";
-  return std::nullopt;
-}
 
 JobCase caseFrom(const ScenarioText& scenario, bool has_gcode, const DeskRequest& request) {
   JobCase result;
@@ -33,7 +25,7 @@ JobCase caseFrom(const ScenarioText& scenario, bool has_gcode, const DeskRequest
   }
   result.issues = issuesOf(draft.faults, scenario);
   if (!result.issues.empty()) return result;
-  if (const auto why = whyNothingIsPlanned(draft.scenario)) {
+  if (const auto why = scenario::whyNothingIsPlanned(draft.scenario)) {
     const TextPlace place = placeOfKey(scenario.text, "firmware.dialog");
     result.issues.push_back(
         {.line = place.line, .column = place.column, .key = "firmware.dialog", .message = *why});

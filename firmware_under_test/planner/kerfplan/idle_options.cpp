@@ -53,18 +53,22 @@ std::vector<Rule> kerfRules(const JobParameters& job) {
           {"--allow-lost", beside, "needs a --kerf-radius"}};
 }
 
-std::vector<Rule> powerRules(const PowerOptions& power) {
+std::vector<Rule> powerRules(const PowerOptions& power, bool scenario_by_depth) {
   const bool by_depth = !power.material.empty() || !power.laser.empty();
+  const bool is_by_depth = by_depth || scenario_by_depth;
   return {
       {"--spot-diameter", by_depth, "needs --material, --laser and --depth"},
       {"--library", by_depth, "needs --material or --laser"},
-      {"--cut-energy", !by_depth, "is not used with --material and --laser, which say what a depth takes"},
-      {"--full-power", !by_depth, "is not used with --laser, whose curve has its full power"}};
+      {"--cut-energy", !is_by_depth, "is not used with a material and a laser, which say what a depth takes"},
+      {"--full-power", !is_by_depth, "is not used with a laser, whose curve has its full power"}};
 }
 
 std::vector<Rule> drawingRules(const OptionContext& context) {
   const char* const kNoDrawing = "is for drawings: a G-code says itself what is cut, and in which order";
   std::vector<Rule> rules;
+  for (const char* option : {"--unit", "--page", "--scale", "--turn", "--shift", "--once", "--layer"})
+    rules.push_back(
+        {option, !context.by_scenario, "is not used with --scenario, which says how its drawing is read"});
   for (const char* option : {"--order", "--perforation-cut", "--perforation-gap"})
     rules.push_back({option, !context.is_gcode, kNoDrawing});
   rules.push_back({"--half-z", !context.is_gcode || context.power.half_depth_mm != 0.0,
@@ -77,8 +81,8 @@ std::vector<Rule> drawingRules(const OptionContext& context) {
 void refuseIdleOptions(const CLI::App& command, const OptionContext& context) {
   std::vector<std::string> faults;
   for (const std::vector<Rule>& rules :
-       {headRules(context.machine), beltRules(context.job), kerfRules(context.job), powerRules(context.power),
-        drawingRules(context)}) {
+       {headRules(context.machine), beltRules(context.job), kerfRules(context.job),
+        powerRules(context.power, context.job.power != nullptr), drawingRules(context)}) {
     for (const Rule& rule : rules) {
       const CLI::Option* option = command.get_option_no_throw(rule.option);
       if (option != nullptr && option->count() > 0 && !rule.acts)

@@ -15,7 +15,8 @@ struct OptionContext {
   const MachineParameters& machine;
   const JobParameters& job;
   const PowerOptions& power;
-  bool is_gcode{};  ///< The input is G-code: the order, the perforations and the Z of its lines are given.
+  bool is_gcode{};     ///< The input is G-code: the order, the perforations and the Z of its lines are given.
+  bool by_scenario{};  ///< A scenario says how the drawing is read.
 };
 
 /// Refuses options that were given to a command and have no effect beside the others: a job that is planned
