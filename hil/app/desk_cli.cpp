@@ -15,8 +15,9 @@ void addPlan(CLI::App& app, const cli::CliProgram& program, cli::CliActions& act
       "Plan the job of a scenario as run does, on its machine and for its release: whether it fits, and "
       "with\n"
       "what time. Its G-code and a page that plays the program's own steps can be written. Nothing is run.");
-  plan->add_option("SCENARIO", options->scenario, "Scenario file")->required();
-  plan->add_option("--with", options->gcode, "G-code of one unit, planned in place of the scenario's own");
+  plan->add_option("SCENARIO", options->scenario, "Scenario file; - is standard input")->required();
+  plan->add_option("--with", options->gcode,
+                   "G-code of one unit, planned in place of the scenario's own; - is standard input");
   plan->add_option("--gcode", options->gcode_out, "File for the G-code of one unit");
   plan->add_option("--preview", options->preview_out, "File for the page that plays the program (.html)");
   plan->add_option("--program", options->program_out,

@@ -15,10 +15,11 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
-#include "hil/base/file_content.h"
 #include "hil/base/input_error.h"
 #include "hil/base/terminal.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/cli/for_option.h"
+#include "hil/cli/standard_input.h"
 #include "hil/desk/first_scenario.h"
 #include "hil/desk/job_plan.h"
 #include "hil/desk/scenario_check.h"
@@ -32,10 +33,12 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::string textOfFile(const fs::path& file) {
-  auto text = base::fileContent(file);
-  if (!text) throw base::InputError("cannot read " + file.string());
-  return *std::move(text);
+std::string textOfFile(const fs::path& file) { return cli::textOfInput(file); }
+
+/// A scenario's text with the path by which it is known: standard input lies in the current folder.
+desk::ScenarioText scenarioText(const fs::path& file) {
+  const fs::path name = cli::isStandardInput(file) ? cli::kStandardInputName : file;
+  return {textOfFile(file), fs::absolute(name).lexically_normal()};
 }
 
 void printLine(std::FILE* out, const std::string& line) { base::toTerminal(out, line + "\n"); }
@@ -100,23 +103,25 @@ void tellOfNew(const NewOptions& options, const std::string& text) {
   printIssues(plan["issues"], options.out);
 }
 
+void writeFor(const char* option, const fs::path& file, const std::string& text) {
+  cli::forOption(option, [&] { base::writeFileAtomically(file, text); });
+}
+
 /// Writes the page that plays the program, and the program itself, of a scenario that fits.
-void writePlanned(const PlanOptions& options, const std::string& text, const std::string& gcode) {
+void writePlanned(const PlanOptions& options, const desk::ScenarioText& scenario, const std::string& gcode) {
   if (options.preview_out.empty() && options.program_out.empty()) return;
-  const scenario::Case whole =
-      scenario::caseOf(scenario::draftScenario(fs::absolute(options.scenario), text,
-                                               {options.bin_dir.parent_path() / "firmware"})
-                           .scenario);
+  const scenario::Case whole = scenario::caseOf(
+      scenario::draftScenario(scenario.file, scenario.text, {options.bin_dir.parent_path() / "firmware"})
+          .scenario);
   const planner::MachineParameters machine = scenario::targetedMachine(whole);
   const planner::JobParameters job = scenario::plannerJob(whole);
   const planner::PlannerFaults& faults = whole.scenario.planner_faults;
   const std::string& title = whole.scenario.title.empty() ? whole.scenario.name : whole.scenario.title;
   if (!options.preview_out.empty())
-    base::writeFileAtomically(options.preview_out, planner::previewHtml(title, gcode, machine, job, faults));
+    writeFor("--preview", options.preview_out, planner::previewHtml(title, gcode, machine, job, faults));
   if (!options.program_out.empty())
-    base::writeFileAtomically(
-        options.program_out,
-        planner::programText(planner::planFromGcode(gcode, machine, job, faults).program));
+    writeFor("--program", options.program_out,
+             planner::programText(planner::planFromGcode(gcode, machine, job, faults).program));
 }
 
 /// A value as it stands behind "key: " in YAML.
@@ -137,29 +142,30 @@ desk::KeyEdit settingFrom(const std::string& words) {
 int planCommand(const PlanOptions& options) {
   return guarded([&] {
     base::Console console(options.as_json);
-    const std::string text = textOfFile(options.scenario);
+    if (cli::isStandardInput(options.scenario) && cli::isStandardInput(options.gcode))
+      throw base::InputError("SCENARIO and --with cannot both be standard input");
+    const desk::ScenarioText scenario = scenarioText(options.scenario);
     std::optional<std::string> gcode;
     if (!options.gcode.empty()) gcode = textOfFile(options.gcode);
-    const std::string answer = desk::planJson({text, fs::absolute(options.scenario).lexically_normal()},
-                                              gcode, requestOn(console, options.bin_dir));
+    const std::string answer = desk::planJson(scenario, gcode, requestOn(console, options.bin_dir));
     console.endProgress();
     const json plan = json::parse(answer);
+    const std::string name =
+        cli::isStandardInput(options.scenario) ? cli::kStandardInputName : options.scenario;
     if (options.as_json) printJson(answer);
-    if (!options.as_json) printIssues(plan["issues"], options.scenario);
-    if (!options.gcode_out.empty())
-      base::writeFileAtomically(options.gcode_out, plan["gcode"].get<std::string>());
+    if (!options.as_json) printIssues(plan["issues"], name);
+    if (!options.gcode_out.empty()) writeFor("--gcode", options.gcode_out, plan["gcode"].get<std::string>());
     if (!plan["fits"]) return base::kExitInput;
-    writePlanned(options, text, plan["gcode"]);
+    writePlanned(options, scenario, plan["gcode"]);
     if (options.as_json) return 0;
     const json& facts = plan["facts"];
     printLine(stdout,
               fmt::format("{}: fits: a unit takes {:.4f} s, {:.1f} mm of marks and {:.1f} mm of jumps; {} "
                           "periods, {} operations for {} unit{}\ncontroller: {}",
-                          options.scenario.string(), facts["unit_time_s"].get<double>(),
-                          facts["cut_length_mm"].get<double>(), facts["jump_length_mm"].get<double>(),
-                          facts["periods"].get<std::size_t>(), facts["operations"].get<std::size_t>(),
-                          facts["units"].get<int>(), facts["units"] == 1 ? "" : "s",
-                          facts["controller"].get<std::string>()));
+                          name, facts["unit_time_s"].get<double>(), facts["cut_length_mm"].get<double>(),
+                          facts["jump_length_mm"].get<double>(), facts["periods"].get<std::size_t>(),
+                          facts["operations"].get<std::size_t>(), facts["units"].get<int>(),
+                          facts["units"] == 1 ? "" : "s", facts["controller"].get<std::string>()));
     return 0;
   });
 }
@@ -173,7 +179,7 @@ int newCommand(const NewOptions& options) {
         {fs::absolute(options.drawing), fs::absolute(options.machine), fs::absolute(options.out)},
         requestOn(console, options.bin_dir));
     console.endProgress();
-    base::writeFileAtomically(options.out, text);
+    writeFor("--out", options.out, text);
     printLine(stdout, options.out.string());
     tellOfNew(options, text);
     return 0;
@@ -197,8 +203,7 @@ int checkCommand(const std::vector<fs::path>& scenarios, const fs::path& bin_dir
     int code = 0;
     base::Console console(true);
     for (const fs::path& file : scenarios) {
-      const std::string answer = desk::checkJson({textOfFile(file), fs::absolute(file).lexically_normal()},
-                                                 requestOn(console, bin_dir));
+      const std::string answer = desk::checkJson(scenarioText(file), requestOn(console, bin_dir));
       printJson(answer);
       if (!json::parse(answer)["fits"]) code = base::kExitInput;
     }

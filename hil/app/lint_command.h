@@ -11,9 +11,12 @@
 
 namespace kerfbench::app {
 
-/// Checks a scenario, a machine or a dieline. `image`: as for runCommand(). Returns 0, base::kExitInput when
+/// Checks scenarios, machines and dielines; "-" is one that comes on standard input, in the format `piped`
+/// (an extension; empty: by its content), with file names relative to the current folder. `image`: as for
+/// runCommand(). Returns 0, base::kExitInput when
 /// something is wrong with a file, or base::kExitBroken where a second reader is wanted and there is none.
-int lintCommand(const std::vector<std::filesystem::path>& files, const std::filesystem::path& image,
-                const DrawingChoice& drawings, const judge::RunOptions& options);
+int lintCommand(const std::vector<std::filesystem::path>& files, const std::string& piped,
+                const std::filesystem::path& image, const DrawingChoice& drawings,
+                const judge::RunOptions& options);
 
 }  // namespace kerfbench::app

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -22,6 +23,7 @@
 #include "hil/base/terminal.h"
 #include "hil/cli/cli.h"
 #include "hil/cli/program.h"
+#include "hil/cli/standard_input.h"
 #include "hil/judge/run_options.h"
 #include "hil/scenario/scenario.h"
 
@@ -141,7 +143,7 @@ void addReplay(CLI::App& app, const CliProgram& program, CliActions& actions) {
   replay
       ->add_option("RECORDING", files->recording,
                    "VCD file with 1-bit wires named like galvo_x_pul,\nor a session file of sigrok (.sr), "
-                   "channels named so or as the scenario's lines")
+                   "channels named so or as the scenario's lines; - is standard input")
       ->required();
   replay->add_option("--scenario", files->scenario, "The scenario that was recorded")->required();
   addImageOption(*replay, files->image);
@@ -236,7 +238,12 @@ void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   const auto files = std::make_shared<std::vector<fs::path>>();
   const auto image = std::make_shared<fs::path>();
   const auto options = commonOptions(program);
-  lint->add_option("FILE", *files, "Files to check")->required();
+  const auto piped = std::make_shared<std::string>();
+  lint->add_option("FILE", *files, "Files to check; - is standard input")->required();
+  lint->add_option(
+          "--format", *piped,
+          "What comes on standard input: yaml, dxf, svg, pdf or cf2; otherwise told by how it begins")
+      ->check(CLI::IsMember({"yaml", "dxf", "svg", "pdf", "cf2"}));
   addImageOption(*lint, *image);
   const auto drawings = std::make_shared<DrawingChoice>();
   lint->add_option("--scenario", drawings->scenario, "Read drawings by the rules of this scenario");
@@ -252,8 +259,14 @@ void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   lint->add_flag(
       "--json", *as_json,
       "Of scenarios: a line of JSON for each, with all that is wrong and its place, drawing and values");
+  lint->final_callback([=] {
+    const auto count = std::count_if(files->begin(), files->end(), isStandardInput);
+    if (count > 1) throw CLI::ValidationError("FILE", "- can be given once");
+    if (count == 0 && !piped->empty()) throw CLI::ValidationError("--format", "is for -, standard input");
+  });
   actions.add(lint, [=, bin_dir = program.bin_dir] {
-    return *as_json ? checkCommand(*files, bin_dir) : lintCommand(*files, *image, *drawings, *options);
+    if (*as_json) return checkCommand(*files, bin_dir);
+    return lintCommand(*files, piped->empty() ? "" : "." + *piped, *image, *drawings, *options);
   });
 }
 

@@ -13,7 +13,9 @@
 #include "hil/base/exit_codes.h"
 #include "hil/base/file_content.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/cli/for_option.h"
 #include "hil/cli/run_guarded.h"
+#include "hil/cli/standard_input.h"
 #include "hil/judge/conclude.h"
 #include "hil/judge/controller_evidence.h"
 #include "hil/judge/kerf_watch.h"
@@ -73,15 +75,17 @@ trace::KnownProgram programOf(const scenario::Case& test_case, const fs::path& r
 
 constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on by itself
 
-int replayOne(const Replay& replay, const judge::RunOptions& options) {
+/// `name`: of the recording, for people.
+int replayOne(const Replay& replay, const std::string& name, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
-  base::Console console(options.quiet, options.events);
+  base::Console console =
+      cli::forOption("--events", [&] { return base::Console(options.quiet, options.events); });
   console.beVerbose(options.verbose);
   scenario::Case test_case = caseWithOptions(replay.scenario, replay.image, options, console);
   const fs::path& recording = replay.recording;
   judge::refuseBlockedRuns(options.results_dir, test_case.scenario.name + "-replay", options.output);
-  console.say(fmt::format("{}: {}, replayed from {}", test_case.scenario.name, test_case.scenario.title,
-                          recording.string()));
+  console.say(
+      fmt::format("{}: {}, replayed from {}", test_case.scenario.name, test_case.scenario.title, name));
   if (const auto code =
           refusedByWitness(test_case, test_case.scenario.name + "-replay", options, stopwatch, console))
     return *code;
@@ -176,7 +180,8 @@ int runOnTwin(const scenario::Case& test_case, const judge::RunOptions& options,
 
 int runOne(const fs::path& path, const fs::path& image, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
-  base::Console console(options.quiet, options.events);
+  base::Console console =
+      cli::forOption("--events", [&] { return base::Console(options.quiet, options.events); });
   console.beVerbose(options.verbose);
   scenario::Case test_case = caseWithOptions(path, image, options, console);
   const scenario::Scenario& scenario = test_case.scenario;
@@ -205,7 +210,17 @@ int runCommand(const std::vector<fs::path>& scenarios, const fs::path& image,
 }
 
 int replayCommand(const Replay& replay, const judge::RunOptions& options) {
-  return cli::runGuarded(replay.scenario, [&] { return replayOne(replay, options); });
+  return cli::runGuarded(replay.scenario, [&] {
+    if (!cli::isStandardInput(replay.recording)) return replayOne(replay, replay.recording.string(), options);
+    const cli::InputAsFile file;
+    Replay piped = replay;
+    piped.recording = file.path();
+    try {
+      return replayOne(piped, cli::kStandardInputName, options);
+    } catch (const base::InputError& error) {
+      throw base::InputError(cli::withInputNamed(error.what(), file.path()));
+    }
+  });
 }
 
 }  // namespace kerfbench::app

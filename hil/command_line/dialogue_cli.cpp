@@ -22,6 +22,22 @@
 
 namespace kerfbench::command_line {
 
+namespace {
+
+/// A variable that is not set is an empty word: the option would count as not given, and a release that
+/// nobody meant would be judged in place of the named one.
+void refuseEmptyWords(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    // Where no word need follow an option, its absence is an empty word, too.
+    if (option->count() == 0 || option->get_items_expected_min() == 0) continue;
+    if (std::ranges::find(option->results(), std::string()) != option->results().end())
+      throw CLI::ValidationError(option->get_name(), "its word is empty");
+  }
+  for (const CLI::App* command : app.get_subcommands()) refuseEmptyWords(*command);
+}
+
+}  // namespace
+
 Dialogue::Dialogue(CLI::App& app, std::string version) : app_(app), version_(std::move(version)) {
   app.add_option("--color", colour_,
                  "Colours: auto (on a terminal, unless NO_COLOR is set), always or never; with any command")
@@ -115,6 +131,7 @@ std::optional<int> Dialogue::read(int argc, char** argv) {
   }
   try {
     app_.parse(argc, argv);
+    refuseEmptyWords(app_);
   } catch (const CLI::Success& asked) {
     return app_.exit(asked);
   } catch (const CLI::ParseError& fault) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -77,7 +78,17 @@ DrawingOptions drawingOptionsFrom(const DrawingArguments& arguments) {
   }
   if (arguments.page < 0) throw DielineError("--page must be > 0");
   if (arguments.page > 0) options.page = arguments.page;
-  if (!(arguments.scale > 0)) throw DielineError("--scale must be > 0");
+  // Beyond these a drawing has no place on any sheet, and a fault of it would not name the option.
+  constexpr double kMost = 1e6;
+  if (!(arguments.scale > 0 && arguments.scale <= kMost))
+    throw DielineError(
+        fmt::format("--scale must be > 0 and at most {:g}, but is {:g}", kMost, arguments.scale));
+  if (!(std::abs(arguments.turn_deg) <= kMost))
+    throw DielineError(
+        fmt::format("--turn must be within ±{:g} degrees, but is {:g}", kMost, arguments.turn_deg));
+  for (const double shift_mm : arguments.shift_mm)
+    if (!(std::abs(shift_mm) <= kMost))
+      throw DielineError(fmt::format("--shift must be within ±{:g} mm, but is {:g}", kMost, shift_mm));
   options.scale = arguments.scale;
   options.turn_deg = arguments.turn_deg;
   options.once = arguments.once;

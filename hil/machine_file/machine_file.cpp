@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "hil/machine_file/machine_sections.h"
+#include "hil/machine_file/machine_text.h"
 
 namespace kerfbench::machine_file {
 namespace {
@@ -185,8 +186,9 @@ std::string MachineFile::placeOf(const std::string& field) const {
   return dot == std::string::npos ? places.at("") : placeOf(key.substr(0, dot));
 }
 
-MachineFile readMachineFile(const std::filesystem::path& path) {
-  auto file = base::YamlReader::openFile(path);
+namespace {
+
+MachineFile readAll(base::YamlReader file, const std::filesystem::path& path) {
   MachineFile result;
   MachineDescription& machine = result.machine;
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
@@ -233,6 +235,16 @@ MachineFile readMachineFile(const std::filesystem::path& path) {
   result.kerf_camera.named_here = namedHere("cameras.kerf.calibration");
   result.keys.insert(result.keys.end(), catalogue.keys.begin(), catalogue.keys.end());
   return result;
+}
+
+}  // namespace
+
+MachineFile readMachineFile(const std::filesystem::path& path) {
+  return readAll(base::YamlReader::openFile(path), path);
+}
+
+MachineFile readMachineText(const std::filesystem::path& path, const std::string& text) {
+  return readAll(base::YamlReader::openText(path, text), path);
 }
 
 MachineDescription readMachine(const std::filesystem::path& path) { return readMachineFile(path).machine; }

@@ -28,13 +28,15 @@ double CrossCut::highestFeedMm_s() const { return std::min(highestByReach(*this)
 
 std::vector<std::string> CrossCut::unusable() const {
   std::vector<std::string> faults;
-  const std::pair<const char*, double> values[] = {
-      {"length of a piece", piece_mm}, {"width of the strip", width_mm},
-      {"reach of the head", reach_mm}, {"feed", feed_mm_s},
-      {"speed of the cut", cut_mm_s},  {"speed of the way back", reposition_mm_s}};
+  const std::pair<const char*, double> values[] = {{"--pitch, the length of a piece,", piece_mm},
+                                                   {"--width of the strip", width_mm},
+                                                   {"--x-max less --x-min, the reach of the head,", reach_mm},
+                                                   {"--belt-speed, the feed,", feed_mm_s},
+                                                   {"--mark-speed, that of the cut,", cut_mm_s},
+                                                   {"--jump-speed, that of the way back,", reposition_mm_s}};
   for (const auto& [name, value] : values) {
     if (!(std::isfinite(value) && value > 0.0))
-      faults.push_back(fmt::format("the {} must be > 0, but is {:g}", name, value));
+      faults.push_back(fmt::format("{} must be > 0, but is {:g}", name, value));
   }
   return faults;
 }

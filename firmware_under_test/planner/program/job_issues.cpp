@@ -102,7 +102,6 @@ class JobChecker {
     check(!(value > 1e6),
           fmt::format("{} must be at most {:g}, but is {:g}", name, shown(parameter, 1e6), told));
   }
-
   void checkHead() {
     if (machine_.head == MachineParameters::Head::kTwoMirror) {
       positive(machine_.throw_mm, Parameter::kThrow, 1e6, 0.1);
@@ -223,6 +222,9 @@ class JobChecker {
     check(job_.units >= 1 && job_.units <= 1'000'000,
           fmt::format("{} must be in 1 … 1000000, but is {}", named(Parameter::kUnits), job_.units));
     if (job_.units > 1) positive(job_.pitch_mm, Parameter::kPitch);
+    if (job_.units <= 1) notNegative(job_.pitch_mm, Parameter::kPitch);
+    check(std::abs(job_.web_start_x_mm) <= 1e9,
+          fmt::format("{} must be a number within ±1e9", named(Parameter::kWebStart)));
     notNegative(job_.belt_speed_mm_s, Parameter::kBeltSpeed);
     checkBeltRange();
   }
@@ -243,8 +245,6 @@ class JobChecker {
     if (job_.feed_by_controller) {
       positive(machine_.feed_step_mm, Parameter::kFeedStep, 1e3, 1e-6);
       positive(job_.feed_acceleration_mm_s2, Parameter::kFeedAcceleration, 1e9, 1e-3);
-      check(std::abs(job_.web_start_x_mm) <= 1e9,
-            fmt::format("{} must be a number within ±1e9", named(Parameter::kWebStart)));
     }
     if (job_.stop_and_go) {
       const bool by_key = job_.given_by == GivenBy::kScenario;

@@ -47,7 +47,7 @@ def options_go_before_files(folder):
     label = SCENARIOS / "label-on-belt.yaml"
     plain, slow, other = (folder / name for name in ("plain.txt", "slow.txt", "other.txt"))
     check(run(bin_dir / "kerfplan", "program", "--scenario", label, "-o", plain)[0] == 0, "the label is planned")
-    check(run(bin_dir / "kerfplan", "program", "--scenario", label, "--mark-speed", "55", "-o", slow)[0] == 0, "the label is planned at 55 mm/s")
+    check(run(bin_dir / "kerfplan", "program", "--scenario", label, "--mark-speed", "250", "-o", slow)[0] == 0, "the label is planned at 250 mm/s")
     check(plain.read_bytes() != slow.read_bytes(), "--mark-speed goes before the scenario")
     code, said = run(bin_dir / "kerfplan", "check", "--scenario", label, "--unit", "in")
     check(code == 64 and "--unit has no effect" in said, f"--unit beside --scenario: {code} {said}")
@@ -58,7 +58,7 @@ def options_go_before_files(folder):
     # A machine alone: its own values are the defaults, and the job's are those of the program.
     drawing = source / "fixtures/dielines/label-60x40.dxf"
     gantry = source / "fixtures/machines/strip-gantry.yaml"
-    check(run(bin_dir / "kerfplan", "program", drawing, "--machine", gantry, "-o", other)[0] == 0, "the label is planned for the gantry")
+    check(run(bin_dir / "kerfplan", "program", drawing, "--machine", gantry, "--web-start", "100", "-o", other)[0] == 0, "the label is planned for the gantry")
     code, said = run(bin_dir / "kerfplan", "check", drawing, "--machine", gantry, "--throw", "400")
     check(code == 64 and "--throw has no effect" in said, f"--throw on a gantry: {code} {said}")
     # The scenario's drawing by its path is the scenario's drawing; G-code goes in place of it.
