@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Ends runs at random moments in each of several ways, and looks at what is left: are results old or new, and whole? Is a
-process, a temporary folder or a temporary file left? Does the exit code say which signal it was? Writes RESULTS.md.
+process, a temporary folder or a temporary file left? Does the exit code say which signal it was? Writes RESULTS.md. So it does for
+disks that become full or read-only and a folder for results that is removed (places.py), where it may mount.
 
 A moment is a share of the time that the run takes when nothing happens to it, drawn by the seed."""
 import argparse
@@ -16,6 +17,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+import places
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENARIO = ROOT / "fixtures/scenarios/native/label-on-belt.yaml"
@@ -61,9 +64,12 @@ class Place:
         self.top = pathlib.Path(tempfile.mkdtemp(prefix="ends-"))
         (self.top / "tmp").mkdir()
         self.results = self.top / "results"
+        # One label in place of four: a third of the time, with all that a run does.
+        self.scenario = self.top / "one-label.yaml"
+        self.scenario.write_text(f"extends: {SCENARIO}\nname: one-label\nprint: {{units: 1}}\n")
 
     def command(self):
-        return [self.kerfbench, "run", str(SCENARIO), "--twin", "fast", "--pictures", "--results-dir", str(self.results)]
+        return [self.kerfbench, "run", str(self.scenario), "--twin", "fast", "--pictures", "--results-dir", str(self.results)]
 
     def start(self, **kinds):
         environment = dict(os.environ, TMPDIR=str(self.top / "tmp"))
@@ -134,7 +140,10 @@ def try_once(way, share, whole_s, kerfbench):
     try:
         piped = way == "output read no more"
         process = place.start(**({"stdout": subprocess.PIPE} if piped else {}))
-        second = place.start() if way == "two runs into one folder" else None
+        second = None
+        if way == "two runs into one folder":
+            time.sleep(share * whole_s)
+            second = place.start()
         if second is not None:
             allowed = {0}
             if ended(second) not in allowed:
@@ -176,7 +185,7 @@ def parse():
     parser.add_argument("--build", type=pathlib.Path, required=True, help="build folder")
     parser.add_argument("--moments", type=int, default=1000, help="ends in all (1000)")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", choices=WAYS, help="one way alone")
+    parser.add_argument("--only", choices=[*WAYS, *places.WAYS], help="one way alone")
     parser.add_argument("--page", type=pathlib.Path, help="write the table here")
     return parser.parse_args()
 
@@ -188,9 +197,12 @@ def page(counts, args, made_with):
 
 {made_with}
 
-`./bench ends` starts the label's run, ends it at a moment that the seed draws, from its start to a little after its end, and looks at what is left.
+`./bench ends` starts the run of one label, ends it at a moment that the seed draws, from its start to a little after its end, and looks at what is left.
 Wrong is a result that is not whole, a process, a temporary folder or file that stays, or an exit code that does not say what happened. After
 `kill -9`, when nobody can tidy up, the next run into the same folder must have done it. A child that is killed makes the run INVALID (exit code 3).
+The second of two runs into one folder starts at that moment of the first. Disks have a random size below what the results take (or the temporary
+files), or become read-only at the moment; there and where the folder for the results is removed the run may fail, but must say why, and leave no
+result that looks whole and is not.
 
 | way | moments | wrong |
 |---|---|---|
@@ -202,18 +214,30 @@ def main():
     args = parse()
     kerfbench = str((args.build / "bin/kerfbench").resolve())
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
+    can_mount = places.own_mounts()
     draw = random.Random(args.seed)
     place = Place(kerfbench)
     begun = time.monotonic()
     if ended(place.start()) != 0:
         sys.exit("the run itself does not PASS")
     whole_s = time.monotonic() - begun
+    whole_kib = places.size_of(place.results)
     place.remove()
-    ways = [args.only] if args.only else WAYS
+    ways = [args.only] if args.only else WAYS + (places.WAYS if can_mount else [])
+    if not can_mount:
+        print("nothing can be mounted here: no full disk, none that becomes read-only, no folder that goes away")
     counts = {way: [0, 0] for way in ways}
     for n in range(args.moments):
         way = ways[n % len(ways)]
-        wrong = try_once(way, draw.uniform(0.0, 1.05), whole_s, kerfbench)
+        share = draw.uniform(0.0, 1.05)
+        if way in places.WAYS:
+            place = Place(kerfbench)
+            try:
+                wrong = places.try_place(way, share, whole_s, whole_kib, place)
+            finally:
+                place.remove()
+        else:
+            wrong = try_once(way, share, whole_s, kerfbench)
         counts[way][0] += 1
         counts[way][1] += bool(wrong)
         for text in wrong:
