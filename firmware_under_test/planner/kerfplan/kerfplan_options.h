@@ -42,7 +42,7 @@ struct KerfplanOptions {
                             .feed_step_mm = 0.0,
                             .full_power_w = 200.0};
   JobParameters job{.cut_energy_j_per_mm = 0.3, .given_by = GivenBy::kCommandLine};
-  PlannerFaults faults{};  ///< Those of the scenario.
+  PlannerFaults faults{};  ///< Defects of the planner that a scenario asks for.
 
   /// True if files were named whose values are the options' defaults, and were not read yet.
   [[nodiscard]] bool waitForFiles() const { return !planned && !(scenario.empty() && machine_file.empty()); }
