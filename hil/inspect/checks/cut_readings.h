@@ -3,6 +3,7 @@
 
 // Between stillness.cpp and excursion.cpp. Private to hil/inspect.
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,8 +15,10 @@ namespace kerfbench::inspect::checks {
 /// How the x-residuals of a cut may be wrong.
 struct CutReadings {
   std::vector<double> sigma_mm;
-  /// Frames x (modes of the camera, x and y of each registration mark): shift of the x-residual, mm.
-  Eigen::MatrixXd shared;
+  /// Makes frames x (modes of the camera, x and y of each registration mark): shift of the x-residual, mm.
+  /// They are made when they are looked at: those of a long run would fill the memory.
+  std::function<Eigen::MatrixXd()> shared;
+  Eigen::Index columns{};  ///< Their number.
 };
 
 /// What the place of a spot or a mark within its pixel does to the estimate of its centre, standard

@@ -96,18 +96,16 @@ KerfWidth widthOf(const vision::EntityKerf& kerf, const ReadingLine& line) {
 
 /// Widths of a process are compared with the usual one: walls that are seen more or less aslant than those of
 /// the usual one hide more or less of a kerf, by as much as is not known of any.
-void addWalls(const Evidence& evidence, const ErrorModel& model, std::vector<double>& width_own_U) {
-  const auto kerfOf = [&](std::size_t line) -> const vision::EntityKerf& {
-    return evidence.kerf.entities[model.lines[line].kerf];
-  };
+void addWalls(const Evidence& evidence, std::vector<double>& width_own_U) {
+  const std::vector<vision::EntityKerf>& kerfs = evidence.kerf.entities;
   std::map<dieline::Process, std::vector<double>> walls;
-  for (std::size_t l = 0; l < model.lines.size(); ++l)
-    walls[entityOf(evidence, kerfOf(l).entity).process].push_back(kerfOf(l).walls_sigma_mm);
+  for (const vision::EntityKerf& kerf : kerfs)
+    walls[entityOf(evidence, kerf.entity).process].push_back(kerf.walls_sigma_mm);
   std::map<dieline::Process, double> usual;
   for (const auto& [process, values] : walls) usual[process] = medianOf(values);
-  for (std::size_t l = 0; l < model.lines.size(); ++l) {
-    const double usual_mm = usual[entityOf(evidence, kerfOf(l).entity).process];
-    width_own_U[l] = std::hypot(width_own_U[l], 2.0 * (kerfOf(l).walls_sigma_mm - usual_mm));
+  for (std::size_t l = 0; l < kerfs.size(); ++l) {
+    const double usual_mm = usual[entityOf(evidence, kerfs[l].entity).process];
+    width_own_U[l] = std::hypot(width_own_U[l], 2.0 * (kerfs[l].walls_sigma_mm - usual_mm));
   }
 }
 
@@ -134,20 +132,23 @@ DeviationResult measureLines(const Evidence& evidence, const Tolerances& limits,
   ErrorModel model = errorModelOf(evidence);
   if (edges != nullptr) addWidthErrors(evidence.kerf, *edges, model);
   std::vector<LineKind> kinds;
-  for (const ReadingLine& line : model.lines) kinds.push_back(kindOf(evidence, line));
+  for (std::size_t l = 0; l < model.size(); ++l)
+    kinds.push_back(kindOf(evidence, model.line(l, ErrorModel::Part::kReadings)));
   DeviationResult result = measureDeviations(model, kinds, limits.path_mm, kPathSeed, evidence.threads);
   if (edges != nullptr) addBlurUncertainty(evidence.kerf, *edges, limits.path_mm, result);
-  for (std::size_t l = 0; l < model.lines.size(); ++l) {
-    const KerfWidth width = widthOf(evidence.kerf.entities[model.lines[l].kerf], model.lines[l]);
+  const auto placeOf = [&](DeviationEstimate& e) {
+    if (e.line >= model.size()) return;
+    const ReadingLine line = model.line(e.line, ErrorModel::Part::kReadings);
+    if (e.reading < line.size()) e.caliper = line.caliper[e.reading];
+  };
+  for (std::size_t l = 0; l < model.size(); ++l) {
+    const ReadingLine line = model.line(l, ErrorModel::Part::kReadings);
+    const KerfWidth width = widthOf(evidence.kerf.entities[l], line);
     result.widths.push_back(width.width);
     result.width_own_U.push_back(width.own_U);
+    placeOf(result.lines[l]);
   }
-  addWalls(evidence, model, result.width_own_U);
-  const auto placeOf = [&](DeviationEstimate& e) {
-    if (e.line < model.lines.size() && e.reading < model.lines[e.line].size())
-      e.caliper = model.lines[e.line].caliper[e.reading];
-  };
-  for (DeviationEstimate& e : result.lines) placeOf(e);
+  addWalls(evidence, result.width_own_U);
   for (DeviationEstimate& e : result.layers) placeOf(e);
   placeOf(result.all);
   return result;

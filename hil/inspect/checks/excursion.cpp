@@ -37,8 +37,18 @@ void measureOffset(const CutReadings& readings, double q, double by_pixel_mm, Cu
   }
   cut.offset_mm = sum_mm / n;
   const double by_noise_mm = std::sqrt(std::max(variance, 0.0)) / n;
-  const double by_camera_mm = readings.shared.cols() > 0 ? readings.shared.colwise().mean().norm() : 0.0;
+  const double by_camera_mm = readings.columns > 0 ? readings.shared().colwise().mean().norm() : 0.0;
   cut.offset_sigma_mm = std::hypot(by_noise_mm, by_camera_mm, by_pixel_mm);
+}
+
+/// The residuals of a cut, less their mean.
+ReadingLine aboutMean(const CutResult& cut, const CutReadings& readings, double q) {
+  std::vector<double> residual_mm = cut.residual_mm;
+  for (double& x : residual_mm) x -= cut.offset_mm;
+  const Eigen::MatrixXd as_read = readings.shared();
+  Eigen::MatrixXd shared = as_read;
+  if (shared.cols() > 0) shared.rowwise() -= as_read.colwise().mean();
+  return lineOf(residual_mm, readings.sigma_mm, shared, q);
 }
 
 }  // namespace
@@ -61,22 +71,20 @@ void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>&
                        double limit_mm, Stillness& stillness) {
   const double by_pixel_mm = placeInPixelSigma_mm(evidence);
   ErrorModel model{.lines = {},
-                   .modes = readings.empty() ? 0 : readings.front().shared.cols(),
+                   .modes = readings.empty() ? 0 : readings.front().columns,
                    .estimator_mm = by_pixel_mm,
                    .trends = true};
   std::vector<std::size_t> of;
   for (std::size_t i = 0; i < stillness.cuts.size(); ++i) {
-    CutResult& cut = stillness.cuts[i];
-    if (!std::isfinite(cut.drift_mm)) continue;
-    measureOffset(readings[i], q, by_pixel_mm, cut);
-    std::vector<double> about_mean = cut.residual_mm;
-    for (double& x : about_mean) x -= cut.offset_mm;
-    Eigen::MatrixXd shared = readings[i].shared;
-    if (shared.cols() > 0) shared.rowwise() -= readings[i].shared.colwise().mean();
-    model.lines.push_back(lineOf(about_mean, readings[i].sigma_mm, shared, q));
+    if (!std::isfinite(stillness.cuts[i].drift_mm)) continue;
+    measureOffset(readings[i], q, by_pixel_mm, stillness.cuts[i]);
     of.push_back(i);
   }
   if (of.empty()) return;
+  model.made = of.size();
+  model.make = [&](std::size_t line, ErrorModel::Part /*part*/) {
+    return aboutMean(stillness.cuts[of[line]], readings[of[line]], q);
+  };
   const std::vector<LineKind> kinds(of.size());
   const DeviationResult found = measureDeviations(model, kinds, limit_mm, kExcursionSeed, evidence.threads);
   for (std::size_t i = 0; i < of.size(); ++i) {

@@ -65,6 +65,38 @@ Eigen::Index sharedColumns(const Evidence& evidence, const ModeField& field) {
   return field.modes() + 2 * static_cast<Eigen::Index>(evidence.print.marks.size());
 }
 
+/// Frames of a run that show x.
+std::vector<std::size_t> framesWithX(const LitFrames& lit, const LitRun& run) {
+  const double faintest_mm = faintestSigma_mm(lit, run);
+  std::vector<std::size_t> frames;
+  for (std::size_t i = run.begin; i < run.end; ++i) {
+    if (showsX(lit.frames[i]) && !(lit.frames[i].sigma_mm > faintest_mm)) frames.push_back(i);
+  }
+  return frames;
+}
+
+/// As CutReadings::shared has it.
+Eigen::MatrixXd sharedErrors(const Evidence& evidence, const LitFrames& lit, const LitRun& run,
+                             const ModeField& field) {
+  const std::vector<std::size_t> frames = framesWithX(lit, run);
+  const Eigen::Index columns = sharedColumns(evidence, field);
+  Eigen::MatrixXd shared(static_cast<Eigen::Index>(frames.size()), columns);
+  for (Eigen::Index row = 0; row < shared.rows(); ++row) {
+    const LitFrame& frame = lit.frames[frames[static_cast<std::size_t>(row)]];
+    const auto& spot_W_mm = evidence.spot.frames[frame.frame].spot_W_mm;
+    const double n_y = std::sqrt(std::max(1.0 - frame.n_x * frame.n_x, 0.0));
+    const Eigen::RowVector2d along_x(1.0, n_y / std::abs(frame.n_x));
+    for (Eigen::Index k = 0; k < field.modes(); ++k) {
+      const Eigen::Vector2d shift = spot_W_mm ? field.at(k, *spot_W_mm) : Eigen::Vector2d::Zero();
+      shared(row, k) = along_x * shift;
+    }
+    shared.row(row).tail(columns - field.modes()) =
+        evidence.print_sigma_mm * along_x * printInfluence(evidence.print, frame.marks, frame.p_S_mm);
+  }
+  return shared;
+}
+
+/// `evidence`, `lit` and `field` must outlive the readings.
 CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& run, const ModeField& field,
                   CutReadings& readings) {
   CutResult cut;
@@ -76,31 +108,23 @@ CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& 
   cut.drift_mm = cut.drift_sigma_mm = cut.slope_mm_s = cut.slope_sigma_mm_s = kNan;
   cut.peak_mm = cut.peak_U_mm = cut.rms_mm = cut.rms_U_mm = kNan;
   cut.offset_mm = cut.offset_sigma_mm = cut.excursion_mm = cut.excursion_U_mm = kNan;
-  const double faintest_mm = faintestSigma_mm(lit, run);
-  const Eigen::Index columns = sharedColumns(evidence, field);
-  readings.shared.resize(static_cast<Eigen::Index>(run.end - run.begin), columns);
+  cut.track.reserve(run.end - run.begin);
   for (std::size_t i = run.begin; i < run.end; ++i) {
     const LitFrame& frame = lit.frames[i];
     cut.track.push_back({frame.time_s, std::max(frame.entity, frame.left_entity), frame.p_S_mm,
                          isLost(frame) ? kNan : frame.deviation_mm});
     if (isLost(frame)) ++cut.lost;
-    if (!showsX(frame) || frame.sigma_mm > faintest_mm) continue;
-    const auto& spot_W_mm = evidence.spot.frames[frame.frame].spot_W_mm;
-    const double n_y = std::sqrt(std::max(1.0 - frame.n_x * frame.n_x, 0.0));
-    const Eigen::RowVector2d along_x(1.0, n_y / std::abs(frame.n_x));
-    for (Eigen::Index k = 0; k < field.modes(); ++k) {
-      const Eigen::Vector2d shift = spot_W_mm ? field.at(k, *spot_W_mm) : Eigen::Vector2d::Zero();
-      readings.shared(cut.frames, k) = along_x * shift;
-    }
-    readings.shared.row(cut.frames).tail(columns - field.modes()) =
-        evidence.print_sigma_mm * along_x * printInfluence(evidence.print, frame.marks, frame.p_S_mm);
+  }
+  for (const std::size_t i : framesWithX(lit, run)) {
+    const LitFrame& frame = lit.frames[i];
     cut.time_s.push_back(frame.time_s);
     cut.residual_mm.push_back(frame.deviation_mm / frame.n_x);
     cut.sheet_x_mm.push_back(frame.sheet_x_mm);
     readings.sigma_mm.push_back(frame.sigma_mm / std::abs(frame.n_x));
     ++cut.frames;
   }
-  readings.shared.conservativeResize(cut.frames, columns);
+  readings.columns = sharedColumns(evidence, field);
+  readings.shared = [&evidence, &lit, run, &field] { return sharedErrors(evidence, lit, run, field); };
   return cut;
 }
 
@@ -151,10 +175,10 @@ Eigen::VectorXd fitDrift(CutResult& cut, std::vector<double>& sigma_mm, double q
 void measurePeaks(const std::vector<CutReadings>& readings, double q, Eigen::Index modes, double by_pixel_mm,
                   int threads, std::vector<CutResult>& cuts) {
   ErrorModel peak{.lines = {}, .modes = modes, .estimator_mm = by_pixel_mm};
-  for (std::size_t i = 0; i < cuts.size(); ++i) {
-    const CutResult& cut = cuts[i];
-    peak.lines.push_back(lineOf(cut.residual_mm, readings[i].sigma_mm, readings[i].shared, q));
-  }
+  peak.made = cuts.size();
+  peak.make = [&](std::size_t i, ErrorModel::Part /*part*/) {
+    return lineOf(cuts[i].residual_mm, readings[i].sigma_mm, readings[i].shared(), q);
+  };
   const std::vector<LineKind> kinds(cuts.size(), LineKind{"", LineKind::Rms::kAboutMean, false, {}});
   const DeviationResult peaks = measureDeviations(peak, kinds, 0.0, kStillnessSeed, threads);
   for (std::size_t i = 0; i < cuts.size(); ++i) {
@@ -172,7 +196,7 @@ std::vector<ReadingLine> driftsOf(const std::vector<CutResult>& cuts,
   std::vector<ReadingLine> drifts;
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     if (!std::isfinite(cuts[i].drift_mm)) continue;
-    const Eigen::MatrixXd shared = weights[i].transpose() * readings[i].shared;
+    const Eigen::MatrixXd shared = weights[i].transpose() * readings[i].shared();
     drifts.push_back(lineOf({cuts[i].drift_mm}, {cuts[i].drift_sigma_mm}, shared, 0.0));
     drifts.back().caliper = {i};
   }
@@ -197,13 +221,14 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Tole
   Stillness result;
   const ModeField field(evidence.spot_calibration.value_or(vision::CameraCalibration{}));
   std::vector<CutReadings> readings;
-  std::vector<std::vector<double>> series;
+  NeighbourCorrelation correlation;
   for (const LitRun& run : lit.runs) {
     result.cuts.push_back(readCut(evidence, lit, run, field, readings.emplace_back()));
-    std::vector<double>& x = series.emplace_back(result.cuts.back().residual_mm);
+    std::vector<double> x = result.cuts.back().residual_mm;
     for (std::size_t i = 0; i < x.size(); ++i) x[i] /= readings.back().sigma_mm[i];
+    correlation.add(x);
   }
-  const double q = neighbourCorrelation(series);
+  const double q = correlation.value();
   std::vector<Eigen::VectorXd> weights;
   for (std::size_t i = 0; i < result.cuts.size(); ++i)
     weights.push_back(fitDrift(result.cuts[i], readings[i].sigma_mm, q));

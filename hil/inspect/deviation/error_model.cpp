@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -51,7 +52,7 @@ class SharedErrors {
         scale_sigma_(evidence.kerf.scale_sigma),
         tile_columns_(tileColumns(evidence.kerf)) {
     for (const vision::UnitPose& pose : evidence.kerf.units)
-      poses_.push_back({&pose, rootOf(pose.covariance)});
+      places_.try_emplace(pose.unit, Place{&pose, rootOf(pose.covariance)});
   }
 
   [[nodiscard]] Eigen::Index tiles() const { return 2 * static_cast<Eigen::Index>(tile_columns_.size()); }
@@ -70,19 +71,32 @@ class SharedErrors {
     }
     line.shared.resize(static_cast<Eigen::Index>(line.size()),
                        ReadingLine::kOwn + line.tileColumns() + camera());
-    for (std::size_t i = 0; i < line.size(); ++i)
-      line.shared.row(static_cast<Eigen::Index>(i)) = of(kerf, curve, kerf.calipers[line.caliper[i]], line);
+    const auto known = places_.find(kerf.unit);
+    const Place* const place = known == places_.end() ? nullptr : &known->second;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      line.shared.row(static_cast<Eigen::Index>(i)) =
+          of({kerf, curve, place}, kerf.calipers[line.caliper[i]], line);
+    }
   }
 
  private:
-  [[nodiscard]] Eigen::RowVectorXd of(const vision::EntityKerf& kerf, const dieline::Curve& curve,
-                                      const vision::Caliper& c, const ReadingLine& line) const {
+  struct Place {
+    const vision::UnitPose* pose;
+    Eigen::Matrix3d root;
+  };
+  /// A line on its sheet; `place` is null where nobody knows how that lies.
+  struct Laid {
+    const vision::EntityKerf& kerf;
+    const dieline::Curve& curve;
+    const Place* place;
+  };
+  [[nodiscard]] Eigen::RowVectorXd of(const Laid& laid, const vision::Caliper& c,
+                                      const ReadingLine& line) const {
+    const auto& [kerf, curve, place] = laid;
     const Eigen::Index behind_tiles = ReadingLine::kOwn + line.tileColumns();
     Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(behind_tiles + camera());
     row[ReadingLine::directionOf(dieline::tangentAt(curve, c.u))] = c.steady_sigma_mm;
-    const auto place =
-        std::ranges::find_if(poses_, [&](const Place& p) { return p.pose->unit == kerf.unit; });
-    if (place == poses_.end()) return row;
+    if (place == nullptr) return row;
     const Eigen::Matrix2d R_TS = Eigen::Rotation2Dd(place->pose->angle_rad).toRotationMatrix();
     const Eigen::Vector2d tangent = R_TS * dieline::tangentAt(curve, c.u);
     const Eigen::Vector2d normal(-tangent.y(), tangent.x());
@@ -105,16 +119,12 @@ class SharedErrors {
     return row;
   }
 
-  struct Place {
-    const vision::UnitPose* pose;
-    Eigen::Matrix3d root;
-  };
   const ModeField& field_;
   vision::CameraCalibration camera_;
   double table_sigma_mm_;
   double scale_sigma_;
   std::map<std::pair<int, int>, Eigen::Index> tile_columns_;
-  std::vector<Place> poses_;
+  std::map<int, Place> places_;  ///< By unit.
 };
 
 /// What of a caliper's uncertainty is its own. Never nothing: rounding is left.
@@ -127,24 +137,73 @@ double pitchOf(const vision::EntityKerf& kerf) {
   return kerf.calipers.size() < 2 ? 1.0 : kerf.calipers[1].station_mm - kerf.calipers[0].station_mm;
 }
 
-/// Correlation length of the noise, from all lines together: stations are about equally far apart on all.
-double correlationLength(const vision::KerfScan& scan, const std::vector<ReadingLine>& lines) {
-  std::vector<std::vector<double>> series;
-  double pitches_mm = 0.0;
-  double weight = 0.0;
-  for (const ReadingLine& line : lines) {
-    for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
-      std::vector<double> one;
-      for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i)
-        one.push_back(line.reading_mm[i] / line.sigma_mm[i]);
-      weight += static_cast<double>(one.size());
-      pitches_mm += static_cast<double>(one.size()) * pitchOf(scan.entities[line.kerf]);
-      series.push_back(std::move(one));
-    }
+/// Makes the lines of a scan, one at a time.
+class LineMaker {
+ public:
+  explicit LineMaker(const Evidence& evidence)
+      : evidence_(evidence),
+        field_(evidence.kerf_calibration.value_or(vision::CameraCalibration{})),
+        shared_(evidence, field_),
+        correlation_mm_(correlationLength()) {}
+  LineMaker(const LineMaker&) = delete;
+  LineMaker& operator=(const LineMaker&) = delete;
+
+  [[nodiscard]] const SharedErrors& shared() const { return shared_; }
+  [[nodiscard]] double correlation_mm() const { return correlation_mm_; }
+  [[nodiscard]] ReadingLine line(std::size_t number, ErrorModel::Part part) const {
+    const vision::EntityKerf& kerf = evidence_.kerf.entities[number];
+    ReadingLine line = readings(number);
+    line.q = correlation_mm_ > 0.0 ? std::exp(-pitchOf(kerf) / correlation_mm_) : 0.0;
+    line.q = std::min(line.q, kMostCorrelated);
+    if (part == ErrorModel::Part::kAll)
+      shared_.addTo(kerf, evidence_.dieline->entities[static_cast<std::size_t>(kerf.entity)].curve, line);
+    return line;
   }
-  const double q = neighbourCorrelation(series);
-  return q > 0.0 ? -pitches_mm / weight / std::log(q) : 0.0;
-}
+
+ private:
+  [[nodiscard]] ReadingLine readings(std::size_t number) const {
+    const vision::EntityKerf& kerf = evidence_.kerf.entities[number];
+    ReadingLine line;
+    line.kerf = number;
+    line.unit = kerf.unit;
+    for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
+      const vision::Caliper& c = kerf.calipers[i];
+      if (!judgesOffset(c)) continue;
+      if (line.caliper.empty() || line.caliper.back() + 1 != i) line.segment.push_back(line.size());
+      line.caliper.push_back(i);
+      if (shared_.tiles() > 0) line.tile.push_back(c.tile);
+      line.reading_mm.push_back(c.offset_mm);
+      line.sigma_mm.push_back(noiseOf(c));
+    }
+    line.segment.push_back(line.size());
+    return line;
+  }
+
+  /// Correlation length of the noise, from all lines together: stations are about equally far apart on all.
+  [[nodiscard]] double correlationLength() const {
+    NeighbourCorrelation correlation;
+    double pitches_mm = 0.0;
+    double weight = 0.0;
+    for (std::size_t k = 0; k < evidence_.kerf.entities.size(); ++k) {
+      const ReadingLine line = readings(k);
+      for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
+        std::vector<double> one;
+        for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i)
+          one.push_back(line.reading_mm[i] / line.sigma_mm[i]);
+        weight += static_cast<double>(one.size());
+        pitches_mm += static_cast<double>(one.size()) * pitchOf(evidence_.kerf.entities[k]);
+        correlation.add(one);
+      }
+    }
+    const double q = correlation.value();
+    return q > 0.0 ? -pitches_mm / weight / std::log(q) : 0.0;
+  }
+
+  const Evidence& evidence_;
+  ModeField field_;
+  SharedErrors shared_;
+  double correlation_mm_;
+};
 
 }  // namespace
 
@@ -155,19 +214,19 @@ Eigen::Index ReadingLine::directionOf(const Eigen::Vector2d& tangent) {
   return (static_cast<Eigen::Index>(std::lround(eighths)) + kLine) % kLine;
 }
 
-double neighbourCorrelation(const std::vector<std::vector<double>>& series) {
-  std::vector<double> squares;
-  for (const std::vector<double>& x : series) {
-    for (std::size_t i = 0; i + 3 < x.size(); ++i) {
-      const double d = x[i] - 3.0 * x[i + 1] + 3.0 * x[i + 2] - x[i + 3];
-      if (std::isfinite(d)) squares.push_back(d * d / 20.0);
-    }
+void NeighbourCorrelation::add(std::span<const double> series) {
+  for (std::size_t i = 0; i + 3 < series.size(); ++i) {
+    const double d = series[i] - 3.0 * series[i + 1] + 3.0 * series[i + 2] - series[i + 3];
+    if (std::isfinite(d)) squares_.push_back(d * d / 20.0);
   }
-  if (squares.size() < kFewestDifferences) return 0.0;
-  const double limit = 9.0 * upperMedianIn(squares) / kMedianSquare;
+}
+
+double NeighbourCorrelation::value() {
+  if (squares_.size() < kFewestDifferences) return 0.0;
+  const double limit = 9.0 * upperMedianIn(squares_) / kMedianSquare;
   double sum = 0.0;
-  for (const double s : squares) sum += std::min(s, limit) / kClipped;
-  const double share = sum / static_cast<double>(squares.size());
+  for (const double s : squares_) sum += std::min(s, limit) / kClipped;
+  const double share = sum / static_cast<double>(squares_.size());
   // Variance of the difference for correlations q, q², q³ of readings 1, 2, 3 apart; it falls with q.
   const auto expected = [](double q) { return (20.0 - 30.0 * q + 12.0 * q * q - 2.0 * q * q * q) / 20.0; };
   double low = 0.0;
@@ -177,6 +236,12 @@ double neighbourCorrelation(const std::vector<std::vector<double>>& series) {
     (expected(q) > share ? low : high) = q;
   }
   return low;
+}
+
+double neighbourCorrelation(const std::vector<std::vector<double>>& series) {
+  NeighbourCorrelation correlation;
+  for (const std::vector<double>& one : series) correlation.add(one);
+  return correlation.value();
 }
 
 ModeField::ModeField(const vision::CameraCalibration& calibration) : area_mm_(calibration.area_mm) {
@@ -207,36 +272,13 @@ Eigen::Vector2d ModeField::at(Eigen::Index mode, const Eigen::Vector2d& p_mm) co
 
 ErrorModel errorModelOf(const Evidence& evidence) {
   ErrorModel model;
-  const ModeField field(evidence.kerf_calibration.value_or(vision::CameraCalibration{}));
   if (evidence.kerf_calibration) model.estimator_mm = kEstimatorPx * evidence.kerf_calibration->pitchMm();
-  const SharedErrors shared(evidence, field);
-  model.tiles = shared.tiles();
-  model.modes = shared.tiles() + shared.camera();
-  for (std::size_t k = 0; k < evidence.kerf.entities.size(); ++k) {
-    const vision::EntityKerf& kerf = evidence.kerf.entities[k];
-    const dieline::Curve& curve = evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)].curve;
-    ReadingLine line;
-    line.kerf = k;
-    line.unit = kerf.unit;
-    for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
-      const vision::Caliper& c = kerf.calipers[i];
-      if (!judgesOffset(c)) continue;
-      if (line.caliper.empty() || line.caliper.back() + 1 != i) line.segment.push_back(line.size());
-      line.caliper.push_back(i);
-      if (shared.tiles() > 0) line.tile.push_back(c.tile);
-      line.reading_mm.push_back(c.offset_mm);
-      line.sigma_mm.push_back(noiseOf(c));
-    }
-    line.segment.push_back(line.size());
-    shared.addTo(kerf, curve, line);
-    model.lines.push_back(std::move(line));
-  }
-  model.correlation_mm = correlationLength(evidence.kerf, model.lines);
-  for (ReadingLine& line : model.lines) {
-    const double pitch_mm = pitchOf(evidence.kerf.entities[line.kerf]);
-    line.q = model.correlation_mm > 0.0 ? std::exp(-pitch_mm / model.correlation_mm) : 0.0;
-    line.q = std::min(line.q, kMostCorrelated);
-  }
+  const auto maker = std::make_shared<const LineMaker>(evidence);
+  model.tiles = maker->shared().tiles();
+  model.modes = maker->shared().tiles() + maker->shared().camera();
+  model.correlation_mm = maker->correlation_mm();
+  model.made = evidence.kerf.entities.size();
+  model.make = [maker](std::size_t line, ErrorModel::Part part) { return maker->line(line, part); };
   return model;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,8 +56,9 @@ struct ReadingLine {
   [[nodiscard]] static Eigen::Index directionOf(const Eigen::Vector2d& tangent);
 };
 
+/// The lines, one for each of KerfScan::entities in order, and what they have in common.
 struct ErrorModel {
-  std::vector<ReadingLine> lines;  ///< One for each of KerfScan::entities, in order; may be empty.
+  std::vector<ReadingLine> lines;  ///< All of them, unless `make` makes them; may be empty.
   Eigen::Index tiles{};            ///< Columns of the tiles.
   Eigen::Index modes{};            ///< Columns of tiles and camera, all that are no line's or unit's own.
   /// Standard uncertainty of an extreme by what the estimator leaves that no scatter tells and no part of
@@ -66,6 +69,19 @@ struct ErrorModel {
   /// place where it is read, DeviationEstimate::worst_u_place.
   bool trends{};
   double correlation_mm{};  ///< Length over which the noise along a line falls to 1/e; 0 if it is white.
+
+  /// What of a line is asked for: with kReadings, ReadingLine::tiles and ::shared, nine tenths of it, are
+  /// left empty.
+  enum class Part { kReadings, kAll };
+  /// Makes a line each time that it is asked for, where those of a long run would fill the memory. Several
+  /// threads may ask. Empty: `lines` has all.
+  std::function<ReadingLine(std::size_t line, Part part)> make{};
+  std::size_t made{};  ///< Number of lines that `make` makes.
+
+  [[nodiscard]] std::size_t size() const { return make ? made : lines.size(); }
+  [[nodiscard]] ReadingLine line(std::size_t number, Part part = Part::kAll) const {
+    return make ? make(number, part) : lines[number];
+  }
 };
 
 /// Offsets that the path is judged by: found, away from joints, a number.
@@ -77,12 +93,21 @@ bool judgesOffset(const vision::Caliper& c);
 /// as the marks are seen through the same lens; that is not counted. Each tile may lie where the table did
 /// not mean to stop: that shifts all of its readings alike; an error of the table's scale moves them away
 /// from the middle of their unit's marks. The marks are seen in tiles too; what cancels by that is not
-/// counted either.
+/// counted either. Lines are made when they are asked for; `evidence` must outlive the model.
 ErrorModel errorModelOf(const Evidence& evidence);
 
 /// Correlation of the noise of neighbours from third differences of readings in units of their own sigma,
 /// pooled over `series` of one pitch each; it makes the differences of neighbours smaller than sigma says.
 /// Steps are clipped at 3 sigma. 0 if there are fewer than 30 differences.
+class NeighbourCorrelation {
+ public:
+  void add(std::span<const double> series);
+  /// Once, after the last series.
+  double value();
+
+ private:
+  std::vector<double> squares_;
+};
 double neighbourCorrelation(const std::vector<std::vector<double>>& series);
 
 /// Shifts of the plane by the modes of a camera, on a grid over the area of its calibration.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -122,11 +123,10 @@ double totalHazard(const std::vector<Side>& sides, double w) {
 /// How the places of the shared errors of one line lie in those of all.
 class SharedIndex {
  public:
-  SharedIndex(const std::vector<ExtremeLine>& lines, Eigen::Index tiles) : tiles_(tiles) {
-    for (const ExtremeLine& line : lines) {
+  SharedIndex(const std::vector<ExtremeHeights>& lines, Eigen::Index tiles) : tiles_(tiles) {
+    for (const ExtremeHeights& line : lines) {
       place_.try_emplace(line.unit, static_cast<Eigen::Index>(place_.size()) * ReadingLine::kPose);
-      if (!line.points.empty())
-        camera_ = line.points.front().shared.size() - ReadingLine::kOwn - tilesOf(line);
+      if (line.camera >= 0) camera_ = line.camera;
     }
   }
   [[nodiscard]] Eigen::Index poses() const {
@@ -149,10 +149,6 @@ class SharedIndex {
   }
 
  private:
-  static Eigen::Index tilesOf(const ExtremeLine& line) {
-    return static_cast<Eigen::Index>(line.tiles.size());
-  }
-
   std::map<int, Eigen::Index> place_;
   Eigen::Index tiles_;
   Eigen::Index camera_{};
@@ -194,28 +190,53 @@ std::optional<Largest> farthestToSide(const ExtremeLine& line, double sign, doub
                  index.spread(line, shared)};
 }
 
+/// Where the parts of a line go farthest, to the one side and the other, if that may be the farthest of all.
+std::vector<Largest> farthestOf(const std::vector<ExtremeLine>& parts, double floor,
+                                const SharedIndex& index) {
+  std::vector<Largest> farthest;
+  for (const ExtremeLine& part : parts) {
+    for (const double sign : {1.0, -1.0}) {
+      if (std::optional<Largest> side = farthestToSide(part, sign, floor, index))
+        farthest.push_back(std::move(*side));
+    }
+  }
+  return farthest;
+}
+
 }  // namespace
 
-ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles, int threads) {
+void ExtremeHeights::add(const ExtremeLine& part) {
+  unit = part.unit;
+  for (const ExtremePoint& p : part.points) {
+    seen = std::max(seen, std::abs(p.seen));
+    likely = std::max(likely, std::abs(p.likely));
+    floor = std::max(floor, std::abs(p.seen) - kFar * std::hypot(p.sigma, p.shared.norm()));
+    reach = std::max(reach, std::abs(p.seen) + kFar * p.sigma);
+  }
+  if (!part.points.empty()) {
+    camera =
+        part.points.front().shared.size() - ReadingLine::kOwn - static_cast<Eigen::Index>(part.tiles.size());
+  }
+}
+
+ExtremeBudget extremeBudget(const std::vector<ExtremeHeights>& heights, const PartsOfLine& parts,
+                            Eigen::Index tiles, int threads) {
   double highest_seen = 0.0;
   double highest_likely = 0.0;
   double floor = -std::numeric_limits<double>::infinity();
-  for (const ExtremeLine& line : lines) {
-    for (const ExtremePoint& p : line.points) {
-      highest_seen = std::max(highest_seen, std::abs(p.seen));
-      highest_likely = std::max(highest_likely, std::abs(p.likely));
-      floor = std::max(floor, std::abs(p.seen) - kFar * std::hypot(p.sigma, p.shared.norm()));
-    }
+  for (const ExtremeHeights& line : heights) {
+    highest_seen = std::max(highest_seen, line.seen);
+    highest_likely = std::max(highest_likely, line.likely);
+    floor = std::max(floor, line.floor);
   }
-  const SharedIndex index(lines, tiles);
-  std::vector<std::optional<Largest>> sides(2 * lines.size());
-  base::forEachIndex(sides.size(), threads, [&](std::size_t i) {
-    sides[i] = farthestToSide(lines[i / 2], i % 2 == 0 ? 1.0 : -1.0, floor, index);
+  const SharedIndex index(heights, tiles);
+  std::vector<std::vector<Largest>> of_line(heights.size());
+  base::forEachIndex(of_line.size(), threads, [&](std::size_t l) {
+    if (heights[l].reach > floor) of_line[l] = farthestOf(parts(l), floor, index);
   });
   std::vector<Largest> candidates;
-  for (std::optional<Largest>& side : sides) {
-    if (side) candidates.push_back(std::move(*side));
-  }
+  for (std::vector<Largest>& some : of_line) std::ranges::move(some, std::back_inserter(candidates));
+  of_line.clear();
   ExtremeBudget budget;
   if (candidates.empty()) return budget;
   const LargestOfAll all = largestOfAll(candidates, index.size());
@@ -226,6 +247,13 @@ ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index 
   budget.u_camera = all.gradient.tail(all.gradient.size() - index.poses() - tiles).norm();
   budget.u_noise = std::sqrt(std::max(all.variance - all.gradient.squaredNorm(), 0.0));
   return budget;
+}
+
+ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles, int threads) {
+  std::vector<ExtremeHeights> heights(lines.size());
+  for (std::size_t l = 0; l < lines.size(); ++l) heights[l].add(lines[l]);
+  return extremeBudget(
+      heights, [&](std::size_t l) { return std::vector{lines[l]}; }, tiles, threads);
 }
 
 }  // namespace kerfbench::inspect

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <functional>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,6 +25,19 @@ struct ExtremeLine {
   int unit{};
   std::vector<Eigen::Index> tiles;  ///< ReadingLine::tiles.
   std::vector<ExtremePoint> points;
+};
+
+/// What of a line has to be known before the parts of any are looked at.
+struct ExtremeHeights {
+  int unit{};
+  double seen{};    ///< Largest |seen|.
+  double likely{};  ///< Largest |likely|.
+  /// Some value of the line lies higher for certain.
+  double floor{-std::numeric_limits<double>::infinity()};
+  double reach{-std::numeric_limits<double>::infinity()};  ///< No value of the line comes so far.
+  Eigen::Index camera{-1};  ///< Shared errors that are neither its own nor a tile's; -1: it has no points.
+
+  void add(const ExtremeLine& part);
 };
 
 /// Analytic uncertainty of max |deviation| over all points of all lines.
@@ -48,5 +64,11 @@ struct ExtremeBudget {
 /// sides part by them.
 /// `tiles` is ErrorModel::tiles. The result is the same at any number of threads.
 ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles = 0, int threads = 1);
+
+/// The parts of a line, made when they are looked at; several threads may ask.
+using PartsOfLine = std::function<std::vector<ExtremeLine>(std::size_t line)>;
+/// The same of more lines than fit into memory. `heights` has one for each.
+ExtremeBudget extremeBudget(const std::vector<ExtremeHeights>& heights, const PartsOfLine& parts,
+                            Eigen::Index tiles, int threads);
 
 }  // namespace kerfbench::inspect

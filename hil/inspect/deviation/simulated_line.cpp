@@ -60,6 +60,14 @@ double sumOfSquares(const std::vector<double>& values, LineKind::Rms about) {
   return about == LineKind::Rms::kAboutZero ? sum : sum - mean * mean * static_cast<double>(values.size());
 }
 
+double errorSquaresOf(const ReadingLine& line) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    sum += line.sigma_mm[i] * line.sigma_mm[i] + line.shared.row(static_cast<Eigen::Index>(i)).squaredNorm();
+  }
+  return sum;
+}
+
 Draws largestOf(std::span<const Draws> values) {
   Draws most{};
   for (const Draws& value : values) {
@@ -101,10 +109,6 @@ SimulatedLine::SimulatedLine(const ReadingLine& line, const LineKind& kind,
   if (kind.is_circle && kind.angle_rad.size() == line.size()) {
     roundness_.emplace(line, kind.angle_rad, kind.window_rad);
     if (!roundness_->isKnown()) roundness_.reset();
-  }
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    error_squares +=
-        line.sigma_mm[i] * line.sigma_mm[i] + line.shared.row(static_cast<Eigen::Index>(i)).squaredNorm();
   }
 }
 

@@ -22,6 +22,9 @@ double largestOf(const std::vector<double>& values);
 /// Sum of the squares of the values, about zero or about their mean.
 double sumOfSquares(const std::vector<double>& values, LineKind::Rms about);
 
+/// Expected sum of squares of the errors of a line's readings.
+double errorSquaresOf(const ReadingLine& line);
+
 constexpr std::size_t kDrawsAtOnce = LineSmoother::kDrawsAtOnce;
 using Draws = LineSmoother::Draws;
 
@@ -67,7 +70,6 @@ class SimulatedLine {
   std::vector<std::uint8_t> level;  ///< With which windows.
   std::vector<double> likely_mm;    ///< The likely truth.
   double noise_share{};             ///< Share of the estimates' noise variance that likely_mm still holds.
-  double error_squares{};           ///< Expected sum of squares of the readings' errors.
 
  private:
   [[nodiscard]] std::vector<double> likelyTruth();

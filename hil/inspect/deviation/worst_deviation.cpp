@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "hil/base/parallel.h"
@@ -20,8 +20,8 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kDraws = 1000;
-constexpr std::size_t kBatchesAtOnce = 25;  // What is drawn for all lines is kept for so many.
-constexpr std::uint64_t kStreams = 4;       // Streams of random numbers, for each draw.
+constexpr std::size_t kLinesAtOnce = 256;  // Draws of so many lines are kept: 16 kB each.
+constexpr std::uint64_t kStreams = 4;      // Streams of random numbers, for each draw.
 constexpr std::uint64_t kHiddenStream = kStreams * kDraws;
 constexpr std::uint64_t kRoundStream =
     kHiddenStream + 1;  // First stream of the circles; each draw of each line takes one from here on.
@@ -39,14 +39,22 @@ std::size_t placeOfLargest(const std::vector<double>& values) {
   return static_cast<std::size_t>(at - values.begin());
 }
 
-/// What the lines show, one number for each: really, in the likely truth, and in each draw.
-struct Tally {
-  struct Numbers {
-    std::vector<double> worst, sum_of_squares;
+/// What one line shows: as it was read, in the likely truth, and in that as it is measured without noise.
+struct LineFigures {
+  struct Shown {
+    double worst{}, sum_of_squares{};
   };
-  Numbers read, truth;
-  std::vector<double> seen;  ///< Worst of the likely truth as it is measured without noise.
-  std::vector<Numbers> draws;
+  double readings{};
+  double error_squares{};
+  Shown read, truth;
+  double seen{};                  ///< Worst without noise.
+  std::size_t worst_reading{};    ///< Where it is read.
+  double error{}, error_share{};  ///< SimulatedLine::errorAt() and errorShareAt() of that reading.
+};
+
+/// The same of each draw of a line, or of many lines together.
+struct Draw {
+  double worst{}, sum_of_squares{};
 };
 
 double meanOf(const std::vector<double>& values) {
@@ -75,59 +83,64 @@ void addHidden(double hidden, std::uint64_t seed, std::vector<double>& drawn) {
   for (std::size_t i = 0; i < drawn.size(); ++i) drawn[i] += hidden * share.uniform(i);
 }
 
-/// Worst and RMS of some of the lines.
+/// Worst and RMS of some of the lines. These are announced first, and then added in the same order, each with
+/// its draws: of many lines nobody keeps them all.
 class Group {
  public:
-  Group(const ErrorModel& model, const std::vector<SimulatedLine>& lines, std::vector<std::size_t> members,
-        const Tally& tally)
-      : members_(std::move(members)),
-        lines_(lines),
-        tally_(tally),
-        estimator_mm_(model.estimator_mm),
-        trends_(model.trends) {
-    for (const std::size_t l : members_) {
-      readings_ += static_cast<double>(model.lines[l].size());
-      error_squares_ += lines[l].error_squares;
+  Group(const ErrorModel& model, const std::vector<LineFigures>& lines)
+      : lines_(lines), estimator_mm_(model.estimator_mm), trends_(model.trends) {}
+
+  void announce(std::size_t line) {
+    members_.push_back(line);
+    readings_ += lines_[line].readings;
+    error_squares_ += lines_[line].error_squares;
+  }
+  void add(const std::vector<Draw>& draws) {
+    if (draws_.empty()) draws_.assign(kDraws, {0.0, -error_squares_});
+    for (std::size_t d = 0; d < kDraws; ++d) {
+      draws_[d].worst = std::isnan(draws[d].worst) ? kNan : std::max(draws_[d].worst, draws[d].worst);
+      draws_[d].sum_of_squares += draws[d].sum_of_squares;
     }
   }
 
   [[nodiscard]] DeviationEstimate estimate(std::uint64_t seed) const {
     DeviationEstimate result;
     if (!(readings_ > 0.0)) return {.worst = {}, .rms = {}, .worst_as_read = kNan};
-    result.worst_as_read = worstOf(tally_.read);
+    result.worst_as_read = worstOf(&LineFigures::read);
     for (const std::size_t l : members_) {
-      if (tally_.read.worst[l] == result.worst_as_read) {
+      if (lines_[l].read.worst == result.worst_as_read) {
         result.line = l;
         break;
       }
     }
-    result.reading = placeOfLargest(lines_[result.line].estimate_mm);
-    result.worst_hidden =
-        hiddenOf(lines_[result.line].errorShareAt(result.reading), drawnWorst(), seenWorst());
-    result.worst_u_smoothing = std::abs(seenWorst() - worstOf(tally_.truth)) / std::sqrt(3.0);
+    const LineFigures& worst = lines_[result.line];
+    result.reading = worst.worst_reading;
+    result.worst_hidden = hiddenOf(worst.error_share, drawnWorst(), seenWorst());
+    result.worst_u_smoothing = std::abs(seenWorst() - worstOf(&LineFigures::truth)) / std::sqrt(3.0);
     result.worst_u_competing = competingOf(meanOf(drawnWorst()) - seenWorst());
-    const Quantity drawn = basicInterval(result.worst_as_read, worstOf(tally_.truth),
+    const Quantity drawn = basicInterval(result.worst_as_read, worstOf(&LineFigures::truth),
                                          drawnWorst(result.worst_hidden, seed), -kInfinity);
     const double more_mm = std::hypot(result.worst_u_smoothing, result.worst_u_competing, estimator_mm_);
-    if (!trends_) result.worst_u_place = lines_[result.line].errorAt(result.reading);
+    if (!trends_) result.worst_u_place = worst.error;
     result.worst =
         magnitude(drawn.value, std::hypot(std::max(drawn.U, 2.0 * result.worst_u_place), 2.0 * more_mm));
     std::vector<double> rms;
-    for (const Tally::Numbers& draw : tally_.draws) rms.push_back(rmsOf(draw, error_squares_));
-    result.rms = basicInterval(rmsOf(tally_.read, error_squares_), rmsOf(tally_.truth, 0.0), rms, 0.0);
+    for (const Draw& draw : draws_) rms.push_back(rmsOf(draw.sum_of_squares));
+    result.rms = basicInterval(rmsOf(squaresOf(&LineFigures::read, error_squares_)),
+                               rmsOf(squaresOf(&LineFigures::truth, 0.0)), rms, 0.0);
     return result;
   }
 
   [[nodiscard]] double chanceAbove(double limit_mm, const DeviationEstimate& e, std::uint64_t seed) const {
     if (!std::isfinite(e.worst.U)) return kNan;
-    return inspect::chanceAbove(limit_mm, e.worst_as_read, worstOf(tally_.truth),
+    return inspect::chanceAbove(limit_mm, e.worst_as_read, worstOf(&LineFigures::truth),
                                 drawnWorst(e.worst_hidden, seed));
   }
 
  private:
   [[nodiscard]] std::vector<double> drawnWorst() const {
     std::vector<double> worst;
-    for (const Tally::Numbers& draw : tally_.draws) worst.push_back(worstOf(draw));
+    for (const Draw& draw : draws_) worst.push_back(draw.worst);
     return worst;
   }
   /// With a share of what is hidden.
@@ -138,25 +151,26 @@ class Group {
   }
   [[nodiscard]] double seenWorst() const {
     double seen = 0.0;
-    for (const std::size_t l : members_) seen = std::max(seen, tally_.seen[l]);
+    for (const std::size_t l : members_) seen = std::max(seen, lines_[l].seen);
     return seen;
   }
 
-  [[nodiscard]] double worstOf(const Tally::Numbers& numbers) const {
+  [[nodiscard]] double worstOf(LineFigures::Shown LineFigures::*shown) const {
     double worst = 0.0;
     for (const std::size_t l : members_)
-      worst = std::isnan(numbers.worst[l]) ? kNan : std::max(worst, numbers.worst[l]);
+      worst = std::isnan((lines_[l].*shown).worst) ? kNan : std::max(worst, (lines_[l].*shown).worst);
     return worst;
   }
-  [[nodiscard]] double rmsOf(const Tally::Numbers& numbers, double errors) const {
+  [[nodiscard]] double squaresOf(LineFigures::Shown LineFigures::*shown, double errors) const {
     double sum = -errors;
-    for (const std::size_t l : members_) sum += numbers.sum_of_squares[l];
-    return std::sqrt(std::max(sum, 0.0) / readings_);
+    for (const std::size_t l : members_) sum += (lines_[l].*shown).sum_of_squares;
+    return sum;
   }
+  [[nodiscard]] double rmsOf(double squares) const { return std::sqrt(std::max(squares, 0.0) / readings_); }
 
   std::vector<std::size_t> members_;
-  const std::vector<SimulatedLine>& lines_;
-  const Tally& tally_;
+  const std::vector<LineFigures>& lines_;
+  std::vector<Draw> draws_;
   double readings_{};
   double error_squares_{};
   double estimator_mm_;
@@ -167,22 +181,21 @@ class Group {
 class Batch {
  public:
   Batch(const ErrorModel& model, std::uint64_t seed, std::uint64_t first_draw)
-      : model_(model),
-        first_draw_(first_draw),
+      : first_draw_(first_draw),
         own_(streams(seed, kOwnErrors)),
         pose_(streams(seed, kPoseErrors)),
+        shared_(streams(seed, kCameraErrors)),
         noise_(streams(seed, kNoise)) {
-    camera_.resize(static_cast<std::size_t>(model.modes));
-    const auto camera = streams(seed, kCameraErrors);
-    for (std::size_t k = 0; k < camera_.size(); ++k) camera_[k] = normalsOf(camera, k);
+    for (Eigen::Index k = model.tiles; k < model.modes; ++k)
+      camera_.push_back(normalsOf(shared_, static_cast<std::uint64_t>(k)));
   }
 
   /// Measures a line; its first reading takes the noise at counter `first`.
-  void measure(const SimulatedLine& line, std::size_t number, std::uint64_t first,
-               SimulatedReadings& into) const {
+  void measure(const ReadingLine& line, const SimulatedLine& simulated, std::size_t number,
+               std::uint64_t first, SimulatedReadings& into) const {
     std::vector<Draws> shared;
-    for (const Eigen::Index column : line.columns()) shared.push_back(errorOf(column, number));
-    line.measure(noise_, first, shared, into);
+    for (const Eigen::Index column : simulated.columns()) shared.push_back(errorOf(column, line, number));
+    simulated.measure(noise_, first, shared, into);
   }
 
   [[nodiscard]] Draws rangesOf(const SimulatedLine& circle, std::size_t number, std::uint64_t seed,
@@ -213,82 +226,22 @@ class Batch {
     return values;
   }
   /// Error of a column of ReadingLine::shared: the line's own, its unit's pose, tiles and camera.
-  [[nodiscard]] Draws errorOf(Eigen::Index column, std::size_t line) const {
+  [[nodiscard]] Draws errorOf(Eigen::Index column, const ReadingLine& line, std::size_t number) const {
     const auto k = static_cast<std::uint64_t>(column);
     if (column < ReadingLine::kLine)
-      return normalsOf(own_, static_cast<std::uint64_t>(ReadingLine::kLine) * line + k);
-    const auto unit = static_cast<std::uint64_t>(model_.lines[line].unit);
+      return normalsOf(own_, static_cast<std::uint64_t>(ReadingLine::kLine) * number + k);
+    const auto unit = static_cast<std::uint64_t>(line.unit);
     if (column < ReadingLine::kOwn) return normalsOf(pose_, 3 * unit + k - ReadingLine::kLine);
     const Eigen::Index behind_own = column - ReadingLine::kOwn;
-    const std::vector<Eigen::Index>& tiles = model_.lines[line].tiles;
-    const Eigen::Index place = behind_own < model_.lines[line].tileColumns()
-                                   ? tiles[static_cast<std::size_t>(behind_own)]
-                                   : behind_own - model_.lines[line].tileColumns() + model_.tiles;
-    return camera_[static_cast<std::size_t>(place)];
+    if (behind_own < line.tileColumns())
+      return normalsOf(shared_, static_cast<std::uint64_t>(line.tiles[static_cast<std::size_t>(behind_own)]));
+    return camera_[static_cast<std::size_t>(behind_own - line.tileColumns())];
   }
 
-  const ErrorModel& model_;
   std::uint64_t first_draw_;
-  Generators own_, pose_, noise_;
-  std::vector<Draws> camera_;
+  Generators own_, pose_, shared_, noise_;
+  std::vector<Draws> camera_;  ///< Errors behind those of the tiles, which all lines have.
 };
-
-std::vector<SimulatedLine> simulatedLines(const ErrorModel& model, const std::vector<LineKind>& kinds,
-                                          int threads) {
-  const auto kernels = std::make_shared<LineSmoother::Kernels>();
-  std::vector<std::optional<SimulatedLine>> made(model.lines.size());
-  base::forEachIndex(made.size(), threads,
-                     [&](std::size_t l) { made[l].emplace(model.lines[l], kinds[l], kernels); });
-  std::vector<SimulatedLine> lines;
-  lines.reserve(made.size());
-  for (std::optional<SimulatedLine>& line : made) lines.push_back(std::move(*line));
-  return lines;
-}
-
-/// What the lines show really and in the likely truth, with room for the draws.
-Tally tallyOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines) {
-  Tally tally;
-  for (std::size_t l = 0; l < lines.size(); ++l) {
-    tally.read.worst.push_back(largestOf(lines[l].estimate_mm));
-    tally.read.sum_of_squares.push_back(sumOfSquares(model.lines[l].reading_mm, lines[l].rms));
-    tally.truth.worst.push_back(largestOf(lines[l].likely_mm));
-    tally.truth.sum_of_squares.push_back(sumOfSquares(lines[l].likely_mm, lines[l].rms));
-    tally.seen.push_back(largestOf(lines[l].seen()));
-  }
-  const std::vector<double> room(lines.size());
-  tally.draws.assign(kDraws, {room, room});
-  return tally;
-}
-
-/// Simulates all draws; roundness goes to `round[line]` for circles. Lines share nothing but what was drawn
-/// for all of them.
-void simulate(const ErrorModel& model, const std::vector<SimulatedLine>& lines, std::uint64_t seed,
-              int threads, Tally& tally, std::vector<std::vector<double>>& round) {
-  static_assert(kDraws % (kDrawsAtOnce * kBatchesAtOnce) == 0);
-  std::vector<std::uint64_t> first(lines.size() + 1, 0);
-  for (std::size_t l = 0; l < lines.size(); ++l) first[l + 1] = first[l] + model.lines[l].size() + 1;
-  for (std::size_t begin = 0; begin < kDraws; begin += kDrawsAtOnce * kBatchesAtOnce) {
-    std::vector<Batch> batches;
-    for (std::size_t b = 0; b < kBatchesAtOnce; ++b)
-      batches.emplace_back(model, seed, begin + b * kDrawsAtOnce);
-    base::forEachIndex(lines.size(), threads, [&](std::size_t l) {
-      SimulatedReadings readings;
-      std::size_t draw = begin;
-      for (const Batch& batch : batches) {
-        batch.measure(lines[l], l, first[l], readings);
-        const Draws worst = largestOf(readings.simulated_mm);
-        const Draws squares = sumOfSquares(readings.reading_mm, lines[l].rms);
-        for (std::size_t d = 0; d < kDrawsAtOnce; ++d, ++draw) {
-          tally.draws[draw].worst[l] = worst[d];
-          tally.draws[draw].sum_of_squares[l] = squares[d];
-        }
-        if (!lines[l].roundness()) continue;
-        const Draws ranges = batch.rangesOf(lines[l], l, seed, readings);
-        round[l].insert(round[l].end(), ranges.begin(), ranges.end());
-      }
-    });
-  }
-}
 
 /// The range about the least-squares circle is an extreme as well.
 Quantity circularityOf(const Roundness& round, std::vector<double> drawn, std::uint64_t seed) {
@@ -300,31 +253,125 @@ Quantity circularityOf(const Roundness& round, std::vector<double> drawn, std::u
   return magnitude(range.value, std::hypot(range.U, 2.0 * more_mm));
 }
 
-/// The same without simulation. What a line shows in one tile moves apart from what it shows in the next, so
-/// that each such part competes on its own.
-ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines, int threads) {
-  std::vector<ExtremeLine> extremes;
-  for (std::size_t l = 0; l < lines.size(); ++l) {
-    const ReadingLine& line = model.lines[l];
-    const SimulatedLine& simulated = lines[l];
-    const std::vector<double> seen_mm = simulated.seen();
-    extremes.push_back({line.unit, line.tiles, {}});
-    for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
-      for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i) {
-        const bool next_tile = i > 0 && !line.sameTile(i, i - 1);
-        if (next_tile) extremes.push_back({line.unit, line.tiles, {}});
-        const bool first = i == line.segment[s] || next_tile;
-        extremes.back().points.push_back(
-            {.likely = simulated.likely_mm[i],
-             .seen = seen_mm[i],
-             .sigma = simulated.smoother().sigma(i, simulated.level[i]),
-             .correlation = first ? 0.0 : simulated.smoother().correlationWithPrevious(i, simulated.level),
-             .shared = line.shared.row(static_cast<Eigen::Index>(i))});
-      }
+/// What a line shows in one tile moves apart from what it shows in the next, so that each such part competes
+/// on its own to be the worst.
+std::vector<ExtremeLine> partsOf(const ReadingLine& line, const SimulatedLine& simulated) {
+  const std::vector<double> seen_mm = simulated.seen();
+  std::vector<ExtremeLine> parts{{line.unit, line.tiles, {}}};
+  for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
+    for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i) {
+      const bool next_tile = i > 0 && !line.sameTile(i, i - 1);
+      if (next_tile) parts.push_back({line.unit, line.tiles, {}});
+      const bool first = i == line.segment[s] || next_tile;
+      parts.back().points.push_back(
+          {.likely = simulated.likely_mm[i],
+           .seen = seen_mm[i],
+           .sigma = simulated.smoother().sigma(i, simulated.level[i]),
+           .correlation = first ? 0.0 : simulated.smoother().correlationWithPrevious(i, simulated.level),
+           .shared = line.shared.row(static_cast<Eigen::Index>(i))});
     }
   }
-  return extremeBudget(extremes, model.tiles, threads);
+  return parts;
 }
+
+/// Simulates the lines one at a time, each with all its draws: what one takes is a kilobyte for each reading,
+/// and a long run has millions. Lines share nothing but what is drawn for all of them.
+class Simulation {
+ public:
+  Simulation(const ErrorModel& model, const std::vector<LineKind>& kinds, std::uint64_t seed, int threads)
+      : model_(model),
+        kinds_(kinds),
+        seed_(seed),
+        threads_(threads),
+        figures_(model.size()),
+        heights_(model.size()),
+        first_(model.size() + 1, 0) {
+    static_assert(kDraws % kDrawsAtOnce == 0);
+    for (std::size_t begin = 0; begin < kDraws; begin += kDrawsAtOnce)
+      batches_.emplace_back(model, seed, begin);
+    base::forEachIndex(figures_.size(), threads, [&](std::size_t l) {
+      const ReadingLine line = model_.line(l);
+      figures_[l].readings = static_cast<double>(line.size());
+      figures_[l].error_squares = errorSquaresOf(line);
+      first_[l + 1] = line.size() + 1;
+    });
+    for (std::size_t l = 0; l < figures_.size(); ++l) first_[l + 1] += first_[l];
+  }
+
+  [[nodiscard]] const std::vector<LineFigures>& figures() const { return figures_; }
+
+  /// Fills lines and circularity of the result, and hands the draws of each line on, line by line.
+  void run(const std::function<void(std::size_t line, const std::vector<Draw>& draws)>& drawn,
+           DeviationResult& result) {
+    result.lines.resize(figures_.size());
+    result.circularity.resize(figures_.size());
+    for (std::size_t begin = 0; begin < figures_.size(); begin += kLinesAtOnce) {
+      const std::size_t count = std::min(kLinesAtOnce, figures_.size() - begin);
+      std::vector<std::vector<Draw>> draws(count);
+      base::forEachIndex(count, threads_, [&](std::size_t i) { draws[i] = simulate(begin + i, result); });
+      for (std::size_t i = 0; i < count; ++i) drawn(begin + i, draws[i]);
+    }
+  }
+
+  /// The uncertainty of the worst of all lines without simulation.
+  [[nodiscard]] ExtremeBudget budget() const {
+    const auto parts = [&](std::size_t l) {
+      const ReadingLine line = model_.line(l);
+      return partsOf(line, SimulatedLine(line, kinds_[l], kernels_));
+    };
+    return extremeBudget(heights_, parts, model_.tiles, threads_);
+  }
+
+ private:
+  std::vector<Draw> simulate(std::size_t l, DeviationResult& result) {
+    const ReadingLine line = model_.line(l);
+    const SimulatedLine simulated(line, kinds_[l], kernels_);
+    look(line, simulated, l);
+    std::vector<Draw> draws;
+    std::vector<double> round;
+    SimulatedReadings readings;
+    for (const Batch& batch : batches_) {
+      batch.measure(line, simulated, l, first_[l], readings);
+      const Draws worst = largestOf(readings.simulated_mm);
+      const Draws squares = sumOfSquares(readings.reading_mm, simulated.rms);
+      for (std::size_t d = 0; d < kDrawsAtOnce; ++d) draws.push_back({worst[d], squares[d]});
+      if (!simulated.roundness()) continue;
+      const Draws ranges = batch.rangesOf(simulated, l, seed_, readings);
+      round.insert(round.end(), ranges.begin(), ranges.end());
+    }
+    Group alone(model_, figures_);
+    alone.announce(l);
+    alone.add(draws);
+    result.lines[l] = alone.estimate(seed_);
+    if (simulated.roundness())
+      result.circularity[l] = circularityOf(*simulated.roundness(), std::move(round), seed_);
+    return draws;
+  }
+
+  /// What there is to know of a line besides its draws.
+  void look(const ReadingLine& line, const SimulatedLine& simulated, std::size_t l) {
+    LineFigures& figures = figures_[l];
+    figures.read = {largestOf(simulated.estimate_mm), sumOfSquares(line.reading_mm, simulated.rms)};
+    figures.truth = {largestOf(simulated.likely_mm), sumOfSquares(simulated.likely_mm, simulated.rms)};
+    figures.seen = largestOf(simulated.seen());
+    if (line.size() > 0) {
+      figures.worst_reading = placeOfLargest(simulated.estimate_mm);
+      figures.error = simulated.errorAt(figures.worst_reading);
+      figures.error_share = simulated.errorShareAt(figures.worst_reading);
+    }
+    for (const ExtremeLine& part : partsOf(line, simulated)) heights_[l].add(part);
+  }
+
+  const ErrorModel& model_;
+  const std::vector<LineKind>& kinds_;
+  std::uint64_t seed_;
+  int threads_;
+  std::shared_ptr<LineSmoother::Kernels> kernels_{std::make_shared<LineSmoother::Kernels>()};
+  std::vector<Batch> batches_;
+  std::vector<LineFigures> figures_;
+  std::vector<ExtremeHeights> heights_;
+  std::vector<std::uint64_t> first_;  ///< Counter of each line's noise.
+};
 
 UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all, double estimator_mm) {
   const double hidden = all.worst_hidden / std::sqrt(12.0);
@@ -364,38 +411,32 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all,
 
 DeviationResult measureDeviations(const ErrorModel& model, const std::vector<LineKind>& kinds,
                                   double limit_mm, std::uint64_t seed, int threads) {
-  std::vector<SimulatedLine> lines = simulatedLines(model, kinds, threads);
-  std::vector<std::vector<double>> round(lines.size());
-  Tally tally = tallyOf(model, lines);
-  simulate(model, lines, seed, threads, tally, round);
-
+  Simulation simulation(model, kinds, seed, threads);
   DeviationResult result;
-  result.lines.resize(lines.size());
-  result.circularity.resize(lines.size());
-  base::forEachIndex(lines.size(), threads, [&](std::size_t l) {
-    result.lines[l] = Group(model, lines, {l}, tally).estimate(seed);
-    if (lines[l].roundness())
-      result.circularity[l] = circularityOf(*lines[l].roundness(), std::move(round[l]), seed);
-  });
-  std::vector<std::size_t> everything;
-  std::vector<std::vector<std::size_t>> of_layer;
-  for (std::size_t l = 0; l < lines.size(); ++l) {
-    everything.push_back(l);
+  Group all(model, simulation.figures());
+  std::vector<Group> layers;
+  std::vector<std::size_t> layer_of;
+  for (std::size_t l = 0; l < model.size(); ++l) {
     const auto known = std::find(result.layer_names.begin(), result.layer_names.end(), kinds[l].layer);
+    layer_of.push_back(static_cast<std::size_t>(known - result.layer_names.begin()));
     if (known == result.layer_names.end()) {
       result.layer_names.push_back(kinds[l].layer);
-      of_layer.push_back({l});
-    } else {
-      of_layer[static_cast<std::size_t>(known - result.layer_names.begin())].push_back(l);
+      layers.emplace_back(model, simulation.figures());
     }
+    all.announce(l);
+    layers[layer_of.back()].announce(l);
   }
-  for (auto& members : of_layer)
-    result.layers.push_back(Group(model, lines, std::move(members), tally).estimate(seed));
-  const Group all(model, lines, everything, tally);
+  simulation.run(
+      [&](std::size_t line, const std::vector<Draw>& draws) {
+        all.add(draws);
+        layers[layer_of[line]].add(draws);
+      },
+      result);
+  for (const Group& layer : layers) result.layers.push_back(layer.estimate(seed));
   result.all = all.estimate(seed);
   result.chance_beyond = all.chanceAbove(limit_mm, result.all, seed);
   if (std::isfinite(result.all.worst.U))
-    result.budget = describe(budgetOf(model, lines, threads), result.all, model.estimator_mm);
+    result.budget = describe(simulation.budget(), result.all, model.estimator_mm);
   return result;
 }
 

@@ -117,6 +117,22 @@ void readAtEdge(const Leg& in, const Leg& out, vision::CornerKerf& corner) {
   corner.found = std::isfinite(corner.deviation_mm) && std::isfinite(corner.deviation_sigma_mm);
 }
 
+/// The edge is one flank of the kerf.
+void addFlankErrors(const vision::EntityKerf& kerf, ReadingLine& line) {
+  const double blur_mm = 0.5 * kOwnBlurShare * kerf.widening_mm;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const vision::Caliper& c = kerf.calipers[line.caliper[i]];
+    const double steady_mm = std::min(kFlanks * c.steady_sigma_mm, c.width_sigma_mm);
+    const double noise_mm = std::sqrt(c.width_sigma_mm * c.width_sigma_mm - steady_mm * steady_mm);
+    line.sigma_mm[i] = std::hypot(line.sigma_mm[i], 0.5 * noise_mm);
+    if (line.shared.rows() == 0) continue;
+    auto own = line.shared.row(static_cast<Eigen::Index>(i)).head<ReadingLine::kLine>();
+    Eigen::Index direction = 0;
+    own.cwiseAbs().maxCoeff(&direction);
+    own[direction] = std::hypot(own[direction], std::hypot(0.5 * steady_mm, blur_mm));
+  }
+}
+
 }  // namespace
 
 vision::KerfScan edgeScan(const vision::KerfScan& scan, const dieline::Dieline& dieline,
@@ -137,22 +153,12 @@ vision::KerfScan edgeScan(const vision::KerfScan& scan, const dieline::Dieline& 
 }
 
 void addWidthErrors(const vision::KerfScan& scan, const EdgeSides& sides, ErrorModel& model) {
-  for (ReadingLine& line : model.lines) {
+  model.make = [&scan, &sides, make = std::move(model.make)](std::size_t number, ErrorModel::Part part) {
+    ReadingLine line = make(number, part);
     const vision::EntityKerf& kerf = scan.entities[line.kerf];
-    const int side = sideOf(sides, kerf.entity);
-    if (side == 0) continue;
-    const double blur_mm = 0.5 * kOwnBlurShare * kerf.widening_mm;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      const vision::Caliper& c = kerf.calipers[line.caliper[i]];
-      const double steady_mm = std::min(kFlanks * c.steady_sigma_mm, c.width_sigma_mm);
-      const double noise_mm = std::sqrt(c.width_sigma_mm * c.width_sigma_mm - steady_mm * steady_mm);
-      line.sigma_mm[i] = std::hypot(line.sigma_mm[i], 0.5 * noise_mm);
-      auto own = line.shared.row(static_cast<Eigen::Index>(i)).head<ReadingLine::kLine>();
-      Eigen::Index direction = 0;
-      own.cwiseAbs().maxCoeff(&direction);
-      own[direction] = std::hypot(own[direction], std::hypot(0.5 * steady_mm, blur_mm));
-    }
-  }
+    if (sideOf(sides, kerf.entity) != 0) addFlankErrors(kerf, line);
+    return line;
+  };
 }
 
 void addBlurUncertainty(const vision::KerfScan& scan, const EdgeSides& sides, double limit_mm,

@@ -54,6 +54,7 @@ vision::KerfScan edgeScan(const vision::KerfScan& scan, const dieline::Dieline& 
                           const EdgeSides& sides);
 
 /// Adds to the model of an edgeScan() what the width of each line adds: the edge is one flank of the kerf.
+/// `scan` and `sides` must outlive the model.
 void addWidthErrors(const vision::KerfScan& scan, const EdgeSides& sides, ErrorModel& model);
 
 /// Adds how well the blur of the picture is known, which moves all edges alike, to what measureDeviations()

@@ -19,11 +19,11 @@ using namespace testing;
 
 using Eigen::Vector2d;
 
-const ReadingLine& lineOf(const ErrorModel& model, const SyntheticRun& run, int unit, int entity) {
-  return *std::find_if(model.lines.begin(), model.lines.end(), [&](const ReadingLine& line) {
-    const vision::EntityKerf& kerf = run.evidence.kerf.entities[line.kerf];
-    return kerf.unit == unit && kerf.entity == entity;
-  });
+ReadingLine lineOf(const ErrorModel& model, const SyntheticRun& run, int unit, int entity) {
+  const std::vector<vision::EntityKerf>& kerfs = run.evidence.kerf.entities;
+  const auto at = std::ranges::find_if(
+      kerfs, [&](const vision::EntityKerf& kerf) { return kerf.unit == unit && kerf.entity == entity; });
+  return model.line(static_cast<std::size_t>(at - kerfs.begin()));
 }
 
 TEST(ModeField, ShiftsPointsAsTheCalibrationDoes) {
