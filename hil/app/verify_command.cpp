@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -18,6 +16,7 @@
 #include "hil/base/console.h"
 #include "hil/base/digest.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/file_content.h"
 #include "hil/base/input_error.h"
 #include "hil/cli/run_guarded.h"
 #include "hil/history/run_history.h"
@@ -36,10 +35,7 @@ constexpr int kExitDiffers = 1;
 constexpr std::size_t kMaxPlaces = 10;
 
 /// Empty for a file that is not there: the list of the folder tells.
-std::string textOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string textOf(const fs::path& path) { return base::fileContent(path).value_or(""); }
 
 Json verdictOf(const fs::path& folder) {
   const fs::path path = folder / "verdict.json";

@@ -7,7 +7,8 @@
 
 namespace kerfbench::base {
 
-/// All bytes of a file; nothing where it cannot be read, with the reason in errno.
+/// All bytes of a record of the bench, as openInput() opens it: a regular file of at most 64 MiB. Nothing
+/// where it cannot be read, with the reason in errno.
 std::optional<std::string> fileContent(const std::filesystem::path& path);
 
 }  // namespace kerfbench::base

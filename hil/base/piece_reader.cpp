@@ -2,7 +2,6 @@
 #include "hil/base/piece_reader.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "hil/base/input_error.h"
+#include "hil/base/input_file.h"
+
 namespace kerfbench::base {
 namespace {
 
@@ -18,14 +20,12 @@ constexpr std::size_t kPiece = std::size_t{1} << 18U;
 
 }  // namespace
 
-PieceReader::PieceReader(const std::filesystem::path& path, std::string what)
-    : what_(std::move(what)), fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-  struct stat status {};
-  if (!fd_.valid() || ::fstat(fd_.get(), &status) != 0) fail(errno);
-  if (S_ISDIR(status.st_mode)) fail(EISDIR);
-  // What can be read once only cannot be judged and have its digest taken.
-  if (::lseek(fd_.get(), 0, SEEK_SET) != 0) fail(errno);
-  size_ = static_cast<std::uint64_t>(status.st_size);
+PieceReader::PieceReader(const std::filesystem::path& path, std::string what) : what_(std::move(what)) {
+  OpenedInput file = openInput(path, kAnySize);
+  if (!file.fd.valid() && file.error != 0) fail(file.error);
+  if (!file.fd.valid()) throw InputError(what_ + ": " + file.refusal);
+  fd_ = std::move(file.fd);
+  size_ = file.size_bytes;
   (void)::posix_fadvise(fd_.get(), 0, 0, POSIX_FADV_SEQUENTIAL);
 }
 

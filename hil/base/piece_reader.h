@@ -16,7 +16,8 @@ namespace kerfbench::base {
 /// Reads a file in pieces, so that its size does not matter.
 class PieceReader {
  public:
-  /// `what`: begins the words of an error. @throws std::system_error, also for a folder or a pipe.
+  /// `what`: begins the words of an error. @throws std::system_error, and InputError
+  /// for a folder, a pipe or a device.
   PieceReader(const std::filesystem::path& path, std::string what);
 
   /// Fills a piece, which is shorter at the end of the file alone; 0: there it is.

@@ -8,8 +8,9 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <system_error>
 
+#include "hil/base/config_text.h"
+#include "hil/base/input_file.h"
 #include "hil/base/near_word.h"
 #include "hil/base/text.h"
 #include "hil/base/utf8.h"
@@ -41,6 +42,14 @@ struct KeyBook {
 
   [[nodiscard]] bool has(std::string_view key) const {
     return std::ranges::find(keys, key, &std::pair<std::string, KeyPlace>::first) != keys.end();
+  }
+  // Whether this is the top of a file that has nothing of what is looked for, not even mistyped: it may be
+  // anybody's, and is not quoted.
+  [[nodiscard]] bool isForeign() const {
+    const std::vector<std::string> known(asked.begin(), asked.end());
+    return prefix.empty() && !keys.empty() && std::ranges::none_of(keys, [&](const auto& key) {
+             return asked.contains(key.first) || !didYouMean(key.first, known).empty();
+           });
   }
   [[nodiscard]] KeyPlace placeOf(std::string_view key) const {
     const auto found = std::ranges::find(keys, key, &std::pair<std::string, KeyPlace>::first);
@@ -134,23 +143,22 @@ struct YamlReader::Node {
 
 namespace {
 
-// The mapping of a file, or of `text` in its place.
-YAML::Node loadMapping(const std::filesystem::path& path, const std::string* text) {
-  std::error_code error;
-  if (text == nullptr && !std::filesystem::is_regular_file(path, error)) {
-    throw ConfigError(fmt::format("{}: no such file", path.string()));
-  }
-  if ((text != nullptr ? text->size() : std::filesystem::file_size(path)) > (1U << 20U)) {
-    throw ConfigError(fmt::format("{}: larger than 1 MiB, this is no configuration file", path.string()));
-  }
+[[noreturn]] void refuseConfig(const std::filesystem::path& path, const std::string& refusal) {
+  throw ConfigError(fmt::format("{}: {}", path.string(), refusal));
+}
+
+// The mapping in the text of a file.
+YAML::Node mappingIn(const std::string& text, const std::filesystem::path& path) {
+  if (text.size() > kLargestConfig_bytes)
+    refuseConfig(path,
+                 fmt::format("has {} bytes, and at most {} are read", text.size(), kLargestConfig_bytes));
   YAML::Node yaml;
   try {
-    std::vector<YAML::Node> documents =
-        text != nullptr ? YAML::LoadAll(*text) : YAML::LoadAllFromFile(path.string());
+    std::vector<YAML::Node> documents = YAML::LoadAll(text);
     std::erase_if(documents, [](const YAML::Node& document) { return !given(document); });
     if (documents.size() > 1)
-      throw ConfigError(fmt::format("{}: holds {} documents of YAML (behind ---), and one is expected",
-                                    path.string(), documents.size()));
+      refuseConfig(path, fmt::format("holds {} documents of YAML (behind ---), and one is expected",
+                                     documents.size()));
     if (!documents.empty()) yaml = documents.front();
   } catch (const YAML::Exception& e) {
     throw ConfigError(fmt::format("{}:{}: {}", path.string(), e.mark.line + 1, e.msg));
@@ -159,7 +167,18 @@ YAML::Node loadMapping(const std::filesystem::path& path, const std::string* tex
   return yaml;
 }
 
+// Whatever a scenario extends, somebody else may own and keep from others: its name must be that of settings.
+bool isConfigName(const std::filesystem::path& path) {
+  return path.extension() == ".yaml" || path.extension() == ".yml";
+}
+
 }  // namespace
+
+std::string configText(const std::filesystem::path& path) {
+  InputContent content = readInput(path, kLargestConfig_bytes);
+  if (!content.bytes) refuseConfig(path, content.refusal);
+  return *std::move(content.bytes);
+}
 
 YamlReader::YamlReader(std::shared_ptr<Node> node) : node_(std::move(node)) {}
 
@@ -179,12 +198,16 @@ YamlReader YamlReader::openChain(const std::filesystem::path& path, const std::s
     if (chain.size() == kDeepest) {
       throw ConfigError(fmt::format("{}: extends more than {} files deep", path.string(), kDeepest));
     }
-    chain.emplace_back(next, loadMapping(next, chain.empty() ? text : nullptr));
+    const bool is_given = chain.empty() && text != nullptr;
+    chain.emplace_back(next, mappingIn(is_given ? *text : configText(next), next));
     file->depend(next);
     const YAML::Node constant = chain.back().second;
     const YAML::Node extends = constant["extends"];
-    next = given(extends) && extends.IsScalar() ? next.parent_path() / extends.Scalar()
-                                                : std::filesystem::path();
+    if (!given(extends) || !extends.IsScalar()) break;
+    next = next.parent_path() / extends.Scalar();
+    if (!isConfigName(next))
+      refuseConfig(chain.back().first,
+                   fmt::format("extends: '{}' is no .yaml file, and no other is read", extends.Scalar()));
   }
   std::shared_ptr<Node> node;
   for (auto it = chain.rbegin(); it != chain.rend(); ++it) {
@@ -448,6 +471,12 @@ std::filesystem::path YamlReader::folderOf(std::string_view key) const {
 std::vector<YamlReader::Fault> YamlReader::faults() const {
   std::vector<Fault> faults = node_->file->faults;
   for (const auto& book : node_->file->books) {
+    if (book->isForeign()) {
+      faults.push_back(
+          {book->path, 1, 1, "",
+           fmt::format("none of its keys is known (known here: {})", fmt::join(book->asked, ", "))});
+      continue;
+    }
     std::set<std::string, std::less<>> seen;
     for (const auto& [key, place] : book->keys) {
       const auto add = [&, &key = key, &place = place](std::string message) {
@@ -479,8 +508,8 @@ void YamlReader::finish() {
       message += fmt::format("\n{}: {} faults more", fault.path.string(), all.size() - kMostTold);
       break;
     }
-    message += fmt::format("{}{}:{}: {}: {}", message.empty() ? "" : "\n", fault.path.string(), fault.line,
-                           fault.key, fault.message);
+    message += fmt::format("{}{}:{}: {}{}{}", message.empty() ? "" : "\n", fault.path.string(), fault.line,
+                           fault.key, fault.key.empty() ? "" : ": ", fault.message);
   }
   if (!message.empty()) throw ConfigError(message);
 }

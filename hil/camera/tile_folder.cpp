@@ -3,10 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -16,6 +13,7 @@
 #include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/camera/kerf_tile.h"
+#include "hil/camera/picture_file.h"
 #include "hil/camera/png.h"
 #include "twin/base/image.h"
 
@@ -24,14 +22,9 @@ namespace {
 
 constexpr const char* kList = "tiles.yaml";
 
-GrayImage readPicture(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
-  try {
-    return decodeImage(bytes);
-  } catch (const std::invalid_argument&) {
-    throw base::ConfigError(path.string() + ": is no picture that can be read");
-  }
+/// Pictures are looked for in the folder of their list alone.
+bool isBareName(const std::string& name) {
+  return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
 }
 
 }  // namespace
@@ -49,7 +42,9 @@ TileFolder::TileFolder(const std::filesystem::path& folder, std::optional<Pictur
     const auto place = tile.numbers("p_TV_mm", 2, {.min = -1e6, .max = 1e6});
     const auto unit = tile.integer("unit", {.min = 0, .max = 1e6, .fallback = 0.0});
     std::error_code ignored;
-    if (!std::filesystem::is_regular_file(folder / name, ignored))
+    if (!isBareName(name))
+      tile.fault("file", fmt::format("{} is no name of a file beside this one", name));
+    else if (!std::filesystem::is_regular_file(folder / name, ignored))
       tile.fault("file", fmt::format("there is no {}", (folder / name).string()));
     if (!names.insert(name).second) tile.fault("file", fmt::format("{} is listed twice", name));
     entries_.push_back({name, static_cast<int>(unit), {place[0], place[1]}});

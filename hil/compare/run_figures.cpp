@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
@@ -14,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/base/input_error.h"
+#include "hil/base/input_file.h"
 #include "hil/base/text.h"
 #include "hil/judge/results_list.h"
 
@@ -172,11 +172,12 @@ void refuseChanged(const fs::path& folder) {
 
 Json verdictIn(const fs::path& folder) {
   const fs::path path = folder / "verdict.json";
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
+  const base::InputContent content = base::readInput(path, base::kLargestRecord_bytes);
+  if (content.error == ENOENT)
     throw base::InputError(
         fmt::format("{}: has no verdict.json: what is in it is no verdict of a run", folder.string()));
-  Json json = Json::parse(std::string{std::istreambuf_iterator<char>(file), {}}, nullptr, false);
+  if (!content.bytes) throw base::InputError(fmt::format("{}: {}", path.string(), content.refusal));
+  Json json = Json::parse(*content.bytes, nullptr, false);
   if (!json.is_object()) throw base::InputError(fmt::format("{}: is no verdict", path.string()));
   const auto version = json.find("schema_version");
   if (version == json.end() || *version != kSchemaVersion) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/dieline/read.h"
 
-#include <fstream>
 #include <map>
 #include <numbers>
-#include <system_error>
 
 #include <fmt/format.h>
 
+#include "hil/base/input_file.h"
 #include "hil/dieline/curve_math.h"
 #include "hil/dieline/file_format.h"
 #include "hil/dieline/geometry.h"
@@ -20,17 +19,10 @@ namespace kerfbench::dieline {
 namespace {
 
 std::string contentsOf(const std::filesystem::path& path, FaultList& faults) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  if (error) faults.fatal(0, fmt::format("cannot be read: {}", error.message()));
-  if (size > kLargestFile)
-    faults.fatal(0, fmt::format("{} bytes are more than the limit of {}", size, kLargestFile));
-  std::ifstream stream(path, std::ios::binary);
-  std::string text(size, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(size));
-  if (!stream) faults.fatal(0, "cannot be read");
-  if (text.empty()) faults.fatal(0, "is empty");
-  return text;
+  base::InputContent content = base::readInput(path, kLargestFile);
+  if (!content.bytes) faults.fatal(0, content.refusal);
+  if (content.bytes->empty()) faults.fatal(0, "is empty");
+  return *std::move(content.bytes);
 }
 
 /// Scales, turns and shifts a drawing as it is told; a drawing without any of it keeps its very numbers.

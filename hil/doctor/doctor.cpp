@@ -7,10 +7,11 @@
 
 #include <cerrno>
 #include <ctime>
-#include <fstream>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
+#include "hil/base/file_content.h"
 #include "hil/base/installation.h"
 #include "hil/doctor/doctor_cameras.h"
 #include "hil/scenario/camera_files.h"
@@ -99,7 +100,8 @@ std::string kernelName() {
 }
 
 std::string clockSource() {
-  std::ifstream file("/sys/devices/system/clocksource/clocksource0/current_clocksource");
+  std::istringstream file(
+      base::fileContent("/sys/devices/system/clocksource/clocksource0/current_clocksource").value_or(""));
   std::string name;
   file >> name;
   return name;

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <sstream>
 #include <string_view>
+
+#include "hil/base/file_content.h"
 
 namespace kerfbench::doctor {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string firstLine(const fs::path& path) {
-  std::ifstream file(path);
+  std::istringstream file(base::fileContent(path).value_or(""));
   std::string line;
   std::getline(file, line, '\n');
   if (const auto end = line.find('\0'); end != std::string::npos) line.resize(end);
@@ -23,7 +24,7 @@ std::string firstLine(const fs::path& path) {
 }
 
 bool processorSaysSo(const fs::path& cpuinfo) {
-  std::ifstream file(cpuinfo);
+  std::istringstream file(base::fileContent(cpuinfo).value_or(""));
   for (std::string line; std::getline(file, line);) {
     if (!line.starts_with("flags")) continue;
     std::istringstream words(line);

@@ -7,8 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "hil/base/file_content.h"
-#include "hil/base/input_error.h"
+#include "hil/base/input_file.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/fold/five_axis_program.h"
 #include "hil/fold/fold_program.h"
@@ -18,9 +17,7 @@ namespace kerfbench::fold {
 namespace {
 
 std::string contentOf(const std::filesystem::path& path) {
-  const auto content = base::fileContent(path);
-  if (!content) throw base::InputError(fmt::format("{}: cannot be read", path.string()));
-  return *content;
+  return base::inputContent(path, base::kLargestRecord_bytes);
 }
 
 twin::BoardDescription readBoard(base::YamlReader section) {

@@ -2,14 +2,16 @@
 #include "hil/head_service/check_history.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
-#include <fstream>
 #include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "hil/base/atomic_file.h"
+#include "hil/base/input_file.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/files/day.h"
 
@@ -106,7 +108,10 @@ HeadCheckRecord recordOf(const calibrate::QuickCheckResult& result) {
 
 std::vector<HeadCheckRecord> readCheckHistory(const fs::path& path) {
   std::vector<HeadCheckRecord> records;
-  std::ifstream file(path);
+  const base::InputContent content = base::readInput(path, base::kLargestRecord_bytes);
+  if (!content.bytes && content.error != ENOENT)
+    throw base::ConfigError(fmt::format("{}: {}", path.string(), content.refusal));
+  std::istringstream file(content.bytes.value_or(""));
   std::string faults;
   int number = 0;
   for (std::string line; std::getline(file, line);) {

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
+#include "hil/base/input_file.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/head_service/measured_sheet.h"
@@ -30,13 +30,13 @@ struct Head {
 };
 
 Head readHead(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw base::ConfigError(fmt::format(
-        "{}: cannot be opened; `calibrate head` with the same --results-dir writes it", path.string()));
+  const base::InputContent content = base::readInput(path, base::kLargestRecord_bytes);
+  if (!content.bytes) {
+    throw base::ConfigError(fmt::format("{}: {}; `calibrate head` with the same --results-dir writes it",
+                                        path.string(), content.refusal));
   }
   try {
-    const nlohmann::json json = nlohmann::json::parse(file);
+    const nlohmann::json json = nlohmann::json::parse(*content.bytes);
     return {json.at("machine"), json.at("good"), json.at("best_iteration"), json.at("unmodelled_share")};
   } catch (const nlohmann::json::exception& error) {
     throw base::ConfigError(

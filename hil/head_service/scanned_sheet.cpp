@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/head_service/scanned_sheet.h"
 
-#include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,7 +11,7 @@
 #include "hil/calibrate/scanner/scan_picture.h"
 #include "hil/calibrate/scanner/scanner_file.h"
 #include "hil/camera/kerf_tile.h"
-#include "hil/camera/png.h"
+#include "hil/camera/picture_file.h"
 #include "hil/camera/tile_source.h"
 #include "twin/base/image.h"
 
@@ -57,16 +54,6 @@ ScanFile readScanFile(const fs::path& path) {
   file.finish();
   if (!scanner.empty()) scan.scanner = calibrate::readScannerFile(folder / scanner);
   return scan;
-}
-
-GrayImage readPicture(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
-  try {
-    return camera::decodeImage(bytes);
-  } catch (const std::invalid_argument&) {
-    throw base::ConfigError(path.string() + ": is no picture that can be read");
-  }
 }
 
 calibrate::ScannerMap mapFor(const ScanFile& file, const GrayImage& scan) {
@@ -114,7 +101,7 @@ MeasuredSheet measureScan(const fs::path& folder, const calibrate::MarkJob& job,
                           int threads) {
   const fs::path picture = scanIn(folder);
   const ScanFile file = readScanFile(folder / kScanList);
-  const GrayImage scan = readPicture(picture);
+  const GrayImage scan = camera::readPicture(picture);
   try {
     calibrate::StraightScan straight = calibrate::straightened(scan, mapFor(file, scan), file.lid, job.print);
     HeadSetup scanned = setup;

@@ -2,13 +2,12 @@
 #include "hil/head_service/service_steps.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "hil/base/atomic_file.h"
+#include "hil/base/input_file.h"
 #include "hil/base/text.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/head_service/sheet_on_twin.h"
@@ -152,13 +151,13 @@ void ServiceSteps::write() const {
 
 std::string readSteps(const fs::path& results) {
   const fs::path path = results / kSteps;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw base::ConfigError(fmt::format(
-        "{}: cannot be opened; `calibrate head --by-hand` and `calibrate check --by-hand` write it",
-        path.string()));
+  base::InputContent content = base::readInput(path, base::kLargestRecord_bytes);
+  if (!content.bytes) {
+    throw base::ConfigError(
+        fmt::format("{}: {}; `calibrate head --by-hand` and `calibrate check --by-hand` write it",
+                    path.string(), content.refusal));
   }
-  std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::string text = *std::move(content.bytes);
   const auto fault = [&](const std::string& what) {
     return base::ConfigError(fmt::format("{}: {}", path.string(), what));
   };

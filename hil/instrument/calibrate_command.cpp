@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -14,6 +12,7 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
+#include "hil/base/input_file.h"
 #include "hil/base/terminal.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/camera/residual_map.h"
@@ -64,11 +63,11 @@ std::vector<fs::path> pictureFiles(const std::vector<fs::path>& named) {
 }
 
 GrayImage readPicture(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::invalid_argument("cannot be read");
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
+  const base::InputContent content = base::readInput(path, base::kLargestPicture_bytes);
+  if (!content.bytes) throw std::invalid_argument(content.refusal);
   try {
-    return camera::decodeImage(bytes);
+    return camera::decodeImage(
+        {reinterpret_cast<const std::uint8_t*>(content.bytes->data()), content.bytes->size()});
   } catch (const std::invalid_argument&) {
     throw std::invalid_argument("is no picture that can be read");
   }

@@ -3,12 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
-#include <vector>
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
@@ -19,30 +14,19 @@
 #include "hil/calibrate/files/target_file.h"
 #include "hil/calibrate/scanner/scanner_file.h"
 #include "hil/calibrate/scanner/scanner_fit.h"
-#include "hil/camera/png.h"
-#include "twin/base/image.h"
+#include "hil/camera/picture_file.h"
 
 namespace kerfbench::instrument {
 namespace {
-
-GrayImage readScan(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw base::ConfigError(path.string() + ": cannot be opened");
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
-  try {
-    return camera::decodeImage(bytes);
-  } catch (const std::invalid_argument&) {
-    throw base::ConfigError(path.string() + ": is no picture that can be read");
-  }
-}
 
 int calibrate(const ScannerCommandOptions& options) {
   base::Console console(options.quiet);
   if (!calibrate::dayNumber(options.date))
     throw base::ConfigError(fmt::format("--date: {} is no day like 2026-11-21", options.date));
   const std::string id = options.id.empty() ? options.out.stem().string() : options.id;
-  const calibrate::ScannerCalibration scanner = calibrate::calibrateScanner(
-      readScan(options.scan), {calibrate::readTarget(options.target), id, options.date, options.dpi});
+  const calibrate::ScannerCalibration scanner =
+      calibrate::calibrateScanner(camera::readPicture(options.scan),
+                                  {calibrate::readTarget(options.target), id, options.date, options.dpi});
   const calibrate::ScannerMap& map = scanner.map;
   const double nominal_mm = 25.4 / options.dpi;
   base::writeFileAtomically(

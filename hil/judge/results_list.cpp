@@ -2,15 +2,16 @@
 #include "hil/judge/results_list.h"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
+#include "hil/base/file_content.h"
 #include "hil/base/input_error.h"
 
 namespace kerfbench::judge {
@@ -47,7 +48,7 @@ std::string sumOf(const fs::path& file) {
 
 /// The list of a folder; nullopt: it has none.
 std::optional<Sums> readList(const fs::path& folder) {
-  std::ifstream file(folder / kResultsList);
+  std::istringstream file(base::fileContent(folder / kResultsList).value_or(""));
   std::string line;
   if (!std::getline(file, line) || (line != kListHead && line != kEarlierListHead)) return std::nullopt;
   Sums sums;

@@ -5,14 +5,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/file_content.h"
 #include "hil/base/input_error.h"
 #include "hil/judge/results_list.h"
 
@@ -42,9 +41,7 @@ fs::path freePlace(const fs::path& parent, const std::string& name) {
 }
 
 std::string digestIn(const fs::path& folder) {
-  std::ifstream file(folder / kVerdict, std::ios::binary);
-  const auto json =
-      nlohmann::json::parse(std::string{std::istreambuf_iterator<char>(file), {}}, nullptr, false);
+  const auto json = nlohmann::json::parse(base::fileContent(folder / kVerdict).value_or(""), nullptr, false);
   const auto digest = json.is_object() ? json.find("digest") : json.end();
   return json.is_object() && digest != json.end() && digest->is_string() ? digest->get<std::string>()
                                                                          : std::string();

@@ -6,16 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cstdlib>
 #include <optional>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/program/link.h"
-#include "hil/base/file_content.h"
+#include "hil/base/input_file.h"
 #include "hil/source/line_ok.h"
 
 namespace kerfbench::run {
@@ -54,10 +52,10 @@ class TalkerDialog final : public Dialog {
   Talker talker_;
 };
 
+constexpr std::uint64_t kLargestGcode_bytes = std::uint64_t{64} << 20U;
+
 std::string textOf(const std::filesystem::path& path) {
-  std::optional<std::string> text = base::fileContent(path);
-  if (!text) throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
-  return *std::move(text);
+  return base::inputContent(path, kLargestGcode_bytes);
 }
 
 // Steps of one axis in an operation.

@@ -7,7 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "hil/base/file_content.h"
+#include "hil/base/config_text.h"
 #include "hil/calibrate/files/day.h"
 #include "hil/scenario/scenario_sections.h"
 
@@ -243,9 +243,10 @@ Scenario readAll(base::YamlReader& file, const fs::path& path, const ImagePath& 
 }  // namespace
 
 ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
-  auto file = base::YamlReader::openFile(path);
+  const std::string text = base::configText(path);
+  auto file = base::YamlReader::openText(path, text);
   ScenarioFile result{readAll(file, path, images), file.asked()};
-  result.scenario.text = base::fileContent(path).value_or("");
+  result.scenario.text = text;
   file.finish();
   return result;
 }

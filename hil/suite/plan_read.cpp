@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "hil/base/file_content.h"
+#include "hil/base/config_text.h"
 #include "hil/base/number_from.h"
 #include "hil/base/text.h"
 #include "hil/base/yaml_reader.h"
@@ -59,10 +59,7 @@ struct Choices {
 class PlanReader {
  public:
   PlanReader(const fs::path& path, const PlanSurroundings& surroundings)
-      : file_(YamlReader::openFile(path)), surroundings_(surroundings), checks_(surroundings.bin_dir) {
-    plan_.path = fs::absolute(path).lexically_normal();
-    plan_.text = base::fileContent(path).value_or("");
-  }
+      : PlanReader(path, base::configText(path), surroundings) {}
 
   Plan read() {
     if (file_.integer("version", {.min = 1, .max = 1e6}) != 1)
@@ -85,6 +82,12 @@ class PlanReader {
   }
 
  private:
+  PlanReader(const fs::path& path, std::string text, const PlanSurroundings& surroundings)
+      : file_(YamlReader::openText(path, text)), surroundings_(surroundings), checks_(surroundings.bin_dir) {
+    plan_.path = fs::absolute(path).lexically_normal();
+    plan_.text = std::move(text);
+  }
+
   void refuse() {
     std::string faults;
     try {

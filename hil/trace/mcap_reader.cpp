@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/trace/mcap_reader.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,8 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/input_file.h"
+
 namespace kerfbench::trace {
 namespace {
+
+/// A chunk has a megabyte, an attachment a few.
+constexpr std::uint64_t kLargestRecord_bytes = std::uint64_t{256} << 20U;
 
 [[noreturn]] void cannotRead(const std::filesystem::path& path) {
   throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
@@ -20,12 +23,13 @@ namespace {
 
 }  // namespace
 
-McapReader::McapReader(std::filesystem::path path)
-    : path_(std::move(path)), fd_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
-  if (!fd_.valid()) cannotRead(path_);
-  struct stat status {};
-  if (::fstat(fd_.get(), &status) != 0) cannotRead(path_);
-  size_ = static_cast<std::uint64_t>(status.st_size);
+McapReader::McapReader(std::filesystem::path path) : path_(std::move(path)) {
+  base::OpenedInput file = base::openInput(path_, base::kAnySize);
+  errno = file.error;
+  if (file.error != 0) cannotRead(path_);
+  if (!file.fd.valid()) throw McapError(fmt::format("{}: {}", path_.string(), file.refusal));
+  fd_ = std::move(file.fd);
+  size_ = file.size_bytes;
   if (size_ >= kMcapMagic.size()) read(0, kMcapMagic.size(), head_);
   if (head_ != kMcapMagic) throw McapError(fmt::format("{} is no MCAP file", path_.string()));
   position_ = kMcapMagic.size();
@@ -59,6 +63,9 @@ std::optional<McapReader::Record> McapReader::next() {
   record.offset = position_;
   const std::uint64_t length = cursor.u64();
   if (length > left - kRecordHead_bytes) return std::nullopt;
+  if (length > kLargestRecord_bytes)
+    throw McapError(fmt::format("{}: a record of {} bytes at byte {}, and at most {} are read",
+                                path_.string(), length, position_, kLargestRecord_bytes));
   read(position_ + kRecordHead_bytes, length, content_);
   record.content = content_;
   position_ += kRecordHead_bytes + length;

@@ -172,7 +172,7 @@ TEST_F(CalibrateTable, TellsEverythingThatIsWrongWithItsInput) {
   EXPECT_EQ(bad.exit_code, 65);
   for (const char* line : {"bad.csv:2: ", "bad.csv:3: ", "bad.csv:4: "})
     EXPECT_THAT(bad.output, HasSubstr(line));
-  EXPECT_THAT(table(path("none.csv")).output, HasSubstr("none.csv: cannot be opened"));
+  EXPECT_THAT(table(path("none.csv")).output, HasSubstr("none.csv: no such file"));
   EXPECT_THAT(table(file("what.txt", "hello\n")).output, HasSubstr("cannot be told from its content"));
 
   const std::string csv = written(grid_, "t.csv");

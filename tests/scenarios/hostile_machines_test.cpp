@@ -80,7 +80,7 @@ TEST_F(HostileMachine, HugeListsAreRefusedAndNotRead) {
   EXPECT_THAT(refused("two-mirror", points), HasSubstr("laser.power_curve: has more than 100 points"));
   // A megabyte of text is no configuration.
   EXPECT_THAT(refused("two-mirror", "# " + std::string(2U << 20U, 'x') + "\n"),
-              HasSubstr("larger than 1 MiB"));
+              HasSubstr("and at most 1048576 are read"));
 }
 
 TEST_F(HostileMachine, NamesThatNamesStandForDoNotMultiply) {

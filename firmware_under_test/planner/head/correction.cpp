@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <cstdint>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "firmware_under_test/planner/job/job.h"
+#include "hil/base/input_file.h"
 #include "hil/base/text.h"
 
 namespace kerfbench::planner {
@@ -22,7 +22,7 @@ using Eigen::Vector2d;
 constexpr std::size_t kLeastNodes = 3;
 constexpr std::size_t kMostNodes = 1025;
 constexpr std::size_t kMostFaults = 20;
-constexpr std::uintmax_t kMostBytes = 128U << 20U;
+constexpr std::uint64_t kMostBytes = 128U << 20U;
 constexpr double kFarthestMm = 1e5;
 constexpr double kLargestValue = 1e6;
 
@@ -231,13 +231,9 @@ CorrectionTable CorrectionTable::parse(const std::string& text, const std::strin
 }
 
 CorrectionTable CorrectionTable::read(const std::string& path) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) throw PlanError(path + ": cannot be opened");
-  const auto size = file.tellg();
-  if (size < 0 || static_cast<std::uintmax_t>(size) > kMostBytes)
-    throw PlanError(path + ": too large for a table");
-  file.seekg(0);
-  return parse({std::istreambuf_iterator<char>(file), {}}, path);
+  const base::InputContent content = base::readInput(path, kMostBytes);
+  if (!content.bytes) throw PlanError(path + ": " + content.refusal);
+  return parse(*content.bytes, path);
 }
 
 /// Sets slopes by the polynomial through five nodes, or all if there are fewer: the error of the surface is

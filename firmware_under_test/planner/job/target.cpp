@@ -13,12 +13,15 @@
 
 #include "firmware_under_test/controller/release.h"
 #include "firmware_under_test/planner/job/job.h"
-#include "hil/base/file_content.h"
+#include "hil/base/input_file.h"
 
 namespace kerfbench::planner {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
+
+/// An image has its symbols with it, a release for this computer all of a C library.
+constexpr std::uint64_t kLargestImage_bytes = std::uint64_t{64} << 20U;
 
 std::uint64_t numberAt(std::span<const std::uint8_t> block, std::size_t at, std::size_t bytes) {
   std::uint64_t value = 0;
@@ -117,9 +120,9 @@ std::optional<Target> targetFrom(std::span<const std::uint8_t> block) {
 }
 
 std::optional<Target> findTarget(const std::filesystem::path& image) {
-  const std::optional<std::string> content = base::fileContent(image);
-  if (!content) throw PlanError(image.string() + ": cannot be opened");
-  const std::string& text = *content;
+  const base::InputContent content = base::readInput(image, kLargestImage_bytes);
+  if (!content.bytes) throw PlanError(image.string() + ": " + content.refusal);
+  const std::string& text = *content.bytes;
   const std::string ending = image.extension().string();
   const bool hex = ending == ".hex" || ending == ".ihx";
   const Bytes bytes = hex ? bytesOfHex(text, image.string()) : Bytes(text.begin(), text.end());

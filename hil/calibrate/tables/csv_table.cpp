@@ -21,6 +21,7 @@ bool isHeader(std::string_view line, std::size_t number, TableFaults& faults) {
                             ? "this table is of steps, which no other format holds: how many mm a step is "
                               "depends on the machine and the place"
                             : fmt::format("the header must be {}", kHeader));
+  faults.throwIfAny();  // What has another header may be no table at all: its lines are not quoted.
   return false;
 }
 

@@ -2,18 +2,18 @@
 #include "hil/calibrate/tables/table_files.h"
 
 #include <array>
-#include <fstream>
-#include <iterator>
+#include <cstdint>
 #include <utility>
 
 #include "hil/base/atomic_file.h"
+#include "hil/base/input_file.h"
 #include "hil/calibrate/tables/csv_table.h"
 #include "hil/calibrate/tables/grid_text.h"
 
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr std::streamoff kMostBytes = std::streamoff{128} << 20U;
+constexpr std::uint64_t kMostBytes = std::uint64_t{128} << 20U;
 constexpr std::size_t kMarkWithin = 4096;  // Bytes from the file's begin on in which its mark must stand.
 
 constexpr std::array<std::pair<TableFormat, const char*>, 6> kNames{
@@ -26,14 +26,10 @@ constexpr std::array<std::pair<TableFormat, const char*>, 6> kNames{
 
 std::string bytesOf(const std::filesystem::path& path) {
   TableFaults faults(path.string());
-  std::error_code none;
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!std::filesystem::is_regular_file(path, none) || !file) faults.ofFile("cannot be opened");
+  base::InputContent content = base::readInput(path, kMostBytes);
+  if (!content.bytes) faults.ofFile(content.refusal);
   faults.throwIfAny();
-  if (file.tellg() > kMostBytes) faults.ofFile("is too large for a table");
-  faults.throwIfAny();
-  file.seekg(0);
-  return {std::istreambuf_iterator<char>(file), {}};
+  return *std::move(content.bytes);
 }
 
 AimGrid parsed(const std::string& bytes, TableFormat format, const std::string& name,

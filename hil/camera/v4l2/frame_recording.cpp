@@ -17,7 +17,7 @@
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
-#include "hil/base/file_content.h"
+#include "hil/base/input_file.h"
 #include "hil/base/number_from.h"
 #include "hil/base/unique_fd.h"
 #include "hil/base/yaml_reader.h"
@@ -31,6 +31,7 @@ constexpr const char* kRaw = "frames.raw";
 constexpr const char* kIndex = "frames.csv";
 constexpr const char* kCamera = "camera.yaml";
 constexpr std::size_t kChecksumDigits = 32;
+constexpr std::uint64_t kLargestIndex_bytes = std::uint64_t{256} << 20U;  // Two million frames.
 constexpr std::array<std::string_view, 3> kClocks{"unknown", "monotonic", "copied"};
 
 /// As YAML takes any text.
@@ -51,9 +52,9 @@ std::string yamlText(const std::string& text) {
 }
 
 std::string contentOf(const fs::path& path) {
-  std::optional<std::string> content = base::fileContent(path);
-  if (!content) throw base::ConfigError(fmt::format("{}: cannot be read", path.string()));
-  return *std::move(content);
+  base::InputContent content = base::readInput(path, kLargestIndex_bytes);
+  if (!content.bytes) throw base::ConfigError(fmt::format("{}: {}", path.string(), content.refusal));
+  return *std::move(content.bytes);
 }
 
 void requireWritten(const std::ofstream& file, const fs::path& path) {
@@ -156,13 +157,13 @@ FrameRecording::FrameRecording(fs::path folder) : folder_(std::move(folder)) {
   digest_ = base::sha256(contentOf(folder_ / kCamera));
   readCamera();
   readIndex(contentOf(folder_ / kIndex));
-  raw_.open(folder_ / kRaw, std::ios::binary);
-  std::error_code none;
-  const std::uintmax_t size = fs::file_size(folder_ / kRaw, none);
+  base::OpenedInput raw = base::openInput(folder_ / kRaw, base::kAnySize);
+  if (!raw.fd.valid()) throw base::ConfigError(fmt::format("{}: {}", (folder_ / kRaw).string(), raw.refusal));
+  raw_ = std::move(raw.fd);
   const std::uint64_t promised = entries_.empty() ? 0 : entries_.back().at + entries_.back().bytes;
-  if (!raw_ || none || size != promised)
+  if (raw.size_bytes != promised)
     throw base::ConfigError(fmt::format("{}: has {} bytes, and {} has {}", (folder_ / kRaw).string(),
-                                        none ? 0 : size, kIndex, promised));
+                                        raw.size_bytes, kIndex, promised));
 }
 
 void FrameRecording::readCamera() {
@@ -228,7 +229,8 @@ void FrameRecording::readIndex(const std::string& text) {
                          parseFlag(cell(line), note.has_error) && parseFlag(cell(line), note.is_short) &&
                          parse(cell(line), entry.bytes);
     entry.digest = line;
-    if (!is_good || entry.digest.size() != kChecksumDigits)
+    // The sum of all must be the size of the file of the frames: none may carry it past 64 bits.
+    if (!is_good || entry.digest.size() != kChecksumDigits || entry.bytes > UINT64_MAX - at)
       throw base::ConfigError(fmt::format("{}:{}: is no line of a buffer", path, number));
     entry.at = at;
     at += entry.bytes;
@@ -248,9 +250,12 @@ StreamEvent FrameRecording::next(int /*timeout_ms*/) {
     return {StreamEvent::Kind::kEnd, {}, {}, ended_.empty() ? "the recording is over" : ended_};
   const Entry& entry = entries_[next_];
   buffer_.resize(entry.bytes);
-  raw_.seekg(static_cast<std::streamoff>(entry.at));
-  raw_.read(reinterpret_cast<char*>(buffer_.data()), static_cast<std::streamsize>(entry.bytes));
-  if (!raw_) return failed("cannot be read");
+  for (std::size_t done = 0; done < buffer_.size();) {
+    const ssize_t got = ::pread(raw_.get(), buffer_.data() + done, buffer_.size() - done,
+                                static_cast<off_t>(entry.at + done));
+    if (got == 0 || (got < 0 && errno != EINTR)) return failed("cannot be read");
+    done += got > 0 ? static_cast<std::size_t>(got) : 0;
+  }
   if (base::checksum(buffer_) != entry.digest) return failed("was changed since it was recorded");
   ++next_;
   return {StreamEvent::Kind::kFrame, entry.note, buffer_, {}};

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/base/unique_fd.h"
 #include "hil/camera/v4l2/buffer_stream.h"
 
 namespace kerfbench::camera {
@@ -82,7 +83,7 @@ class FrameRecording final : public BufferStream {
   std::string ended_, digest_, index_digest_;
   std::uint64_t promised_{};
   std::vector<Entry> entries_;
-  std::ifstream raw_;
+  base::UniqueFd raw_;
   std::vector<std::uint8_t> buffer_;
   std::size_t next_{};
 };

@@ -9,18 +9,34 @@
 #include <deque>
 #include <utility>
 
+#include "hil/base/input_file.h"
+
 namespace kerfbench::source {
 namespace {
 
-zip_t* openArchive(const std::string& path, int flags) {
-  int code = 0;
-  zip_t* const archive = zip_open(path.c_str(), flags, &code);
+/// The archive that libzip opened, or its error in words.
+zip_t* opened(zip_t* archive, const std::string& path, int code) {
   if (archive != nullptr) return archive;
   zip_error_t error;
   zip_error_init_with_code(&error, code);
   const std::string words = zip_error_strerror(&error);
   zip_error_fini(&error);
   throw ZipError(path + ": no readable zip archive: " + words);
+}
+
+zip_t* archiveToRead(const std::string& path) {
+  base::OpenedInput file = base::openInput(path, base::kAnySize);
+  if (!file.fd.valid()) throw ZipError(path + ": no readable zip archive: " + file.refusal);
+  int code = 0;
+  zip_t* const archive = zip_fdopen(file.fd.get(), ZIP_CHECKCONS, &code);
+  if (archive != nullptr) (void)file.fd.release();  // libzip has closed it, and reads through one of its own.
+  return opened(archive, path, code);
+}
+
+zip_t* archiveToWrite(const std::string& path) {
+  int code = 0;
+  zip_t* const archive = zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);
+  return opened(archive, path, code);
 }
 
 /// A part as libzip asks for it.
@@ -69,8 +85,7 @@ struct ZipReader::Handle {
 };
 
 ZipReader::ZipReader(const std::filesystem::path& path)
-    : path_(path.string()),
-      handle_(std::make_unique<Handle>(openArchive(path_, ZIP_RDONLY | ZIP_CHECKCONS))) {}
+    : path_(path.string()), handle_(std::make_unique<Handle>(archiveToRead(path_))) {}
 ZipReader::~ZipReader() = default;
 
 std::vector<std::string> ZipReader::names() const {
@@ -128,8 +143,7 @@ struct ZipWriter::Handle {
 };
 
 ZipWriter::ZipWriter(const std::filesystem::path& path)
-    : path_(path.string()),
-      handle_(std::make_unique<Handle>(openArchive(path_, ZIP_CREATE | ZIP_TRUNCATE))) {}
+    : path_(path.string()), handle_(std::make_unique<Handle>(archiveToWrite(path_))) {}
 ZipWriter::~ZipWriter() = default;
 
 void ZipWriter::add(const std::string& part, std::uint64_t bytes, ZipFill fill) {

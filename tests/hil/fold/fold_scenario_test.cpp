@@ -87,7 +87,7 @@ TEST_F(FoldScenarios, WhatThePlannerAndTheContourRefuseIsBadInput) {
   (void)temp_.write("off.xyz", "0 0 5 0 0 1\n20 0 5 0 0 1\n");
   EXPECT_THAT(faultsOfKeys("contour: off.xyz\n"),
               HasSubstr("off.xyz:1: the line that begins here lies in no face"));
-  EXPECT_THAT(faultsOfKeys("contour: missing.xyz\n"), HasSubstr("cannot be read"));
+  EXPECT_THAT(faultsOfKeys("contour: missing.xyz\n"), HasSubstr("no such file"));
   EXPECT_THAT(faultsOfKeys("program: {gcode: p.gcode, side: left}\n"),
               HasSubstr("has no effect beside gcode"));
 }

@@ -75,8 +75,8 @@ TEST_F(TableFiles, WhatCannotBeWrittenLeavesTheOldFileAlone) {
 }
 
 TEST_F(TableFiles, ReadingSaysWhatIsMissing) {
-  EXPECT_EQ(faultsOf([&] { (void)readTable("/no/such/table"); }), "/no/such/table: cannot be opened");
-  EXPECT_EQ(faultsOf([&] { (void)readTable(folder_); }), folder_.string() + ": cannot be opened");
+  EXPECT_EQ(faultsOf([&] { (void)readTable("/no/such/table"); }), "/no/such/table: no such file");
+  EXPECT_EQ(faultsOf([&] { (void)readTable(folder_); }), folder_.string() + ": is a folder, no regular file");
   std::ofstream(folder_ / "a") << "0 0 0 0\n";
   EXPECT_EQ(faultsOf([&] { (void)readTable(folder_ / "a"); }),
             (folder_ / "a").string() + ": which format this is cannot be told from its content, say it");
