@@ -15,6 +15,10 @@ namespace {
 
 constexpr std::size_t kSignature = 8;
 constexpr std::size_t kMostPixels = std::size_t{1} << 30U;
+// A file of a megabyte may stand for a gigabyte of one colour. Up to so many pixels it may; more pixels need
+// bytes.
+constexpr std::size_t kFreePixels = std::size_t{1} << 26U;
+constexpr std::size_t kMostPixelsOfByte = 64;
 
 // libpng leaves a call that fails by longjmp. A function that calls setjmp has therefore no local object with
 // a destructor, and changes no local variable that it reads after the jump: all of that is in the struct of
@@ -74,12 +78,13 @@ bool writePng(Writer& writer, PngEffort effort) {
 }
 
 struct Reader {
-  explicit Reader(std::span<const std::uint8_t> file) : left(file) {}
+  explicit Reader(std::span<const std::uint8_t> file) : left(file), bytes(file.size()) {}
   ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
   std::span<const std::uint8_t> left;
+  std::size_t bytes;
   PngSamples picture;
   std::vector<png_bytep> rows;
   png_structp png{png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, onError, onWarning)};
@@ -120,6 +125,7 @@ bool readPng(Reader& reader, PngColours colours) {
   const std::size_t width = png_get_image_width(png, reader.info);
   const std::size_t height = png_get_image_height(png, reader.info);
   if (width * height >= kMostPixels) return false;
+  if (width * height > std::max(kFreePixels, kMostPixelsOfByte * reader.bytes)) return false;
   setTransformations(reader, colours);
   png_read_update_info(png, reader.info);
   PngSamples& picture = reader.picture;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/camera/jpeg.h"
 
+#include <algorithm>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>  // jpeglib.h uses FILE and does not include it.
@@ -14,6 +15,9 @@ namespace kerfbench::camera {
 namespace {
 
 constexpr std::size_t kMostPixels = std::size_t{1} << 30U;
+// As of a PNG (png_codec.cpp): more pixels than these need bytes.
+constexpr std::size_t kFreePixels = std::size_t{1} << 26U;
+constexpr std::size_t kMostPixelsOfByte = 64;
 
 /// libjpeg's own handler ends the program; this one returns to readJpeg().
 struct ErrorExit {
@@ -46,7 +50,8 @@ bool readJpeg(Decoder& decoder, std::span<const std::uint8_t> bytes) {
   jpeg_create_decompress(&info);
   jpeg_mem_src(&info, bytes.data(), bytes.size());
   jpeg_read_header(&info, TRUE);
-  if (std::size_t{info.image_width} * info.image_height >= kMostPixels) return false;
+  const std::size_t pixels = std::size_t{info.image_width} * info.image_height;
+  if (pixels >= kMostPixels || pixels > std::max(kFreePixels, kMostPixelsOfByte * bytes.size())) return false;
   info.out_color_space = JCS_GRAYSCALE;
   jpeg_start_decompress(&info);
   if (info.output_components != 1) return false;

@@ -338,10 +338,13 @@ SvgStyle SvgSheet::styleOf(const pugi::xml_node& node) const {
     const std::string_view value = trimmed(node.attribute(known.name).value());
     if (!value.empty()) cascade.offer({known.property, std::string(value), false}, {false, 0, 0, 0});
   }
+  const std::size_t class_bytes = std::string_view(node.attribute("class").value()).size();
   const auto offerRules = [&](const std::string& key) {
     const auto rules = by_key_.find(key);
     if (rules == by_key_.end()) return;
     for (const std::size_t index : rules->second) {
+      steps_ += 1 + class_bytes;
+      if (isExhausted()) return;
       const Rule& rule = rules_[index];
       if (!matches(node, rule)) continue;
       std::size_t order = index << 8U;

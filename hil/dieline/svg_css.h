@@ -51,6 +51,12 @@ class SvgSheet {
   /// what is !important is stronger than all that is not.
   [[nodiscard]] SvgStyle styleOf(const pugi::xml_node& node) const;
 
+  /// Most bytes of classes that the rules of a file are held against, an element and a rule at a time. A
+  /// drawing of 100 MB with twenty rules takes half of it.
+  static constexpr std::size_t kMostSteps = 200'000'000;
+  /// More than that was asked for: rules have been left out since.
+  [[nodiscard]] bool isExhausted() const { return steps_ > kMostSteps; }
+
  private:
   struct Attribute {
     std::string name;
@@ -94,6 +100,7 @@ class SvgSheet {
   [[nodiscard]] static bool matches(const pugi::xml_node& node, const Rule& rule);
   void index(const Compound& last, std::size_t rule);
 
+  mutable std::size_t steps_{};
   std::vector<std::vector<Declared>> declarations_;
   std::vector<Rule> rules_;
   /// Rules by what their last compound asks for first: "#id", ".class", "type" or "*".

@@ -135,6 +135,9 @@ class SvgReader {
       faults_.add(lineOf(node),
                   "style names an entity of the DOCTYPE, which is not read; save it as plain SVG");
     SvgContext context = svgInside(outer, sheet_.styleOf(node));
+    if (sheet_.isExhausted())
+      faults_.fatal(lineOf(node), fmt::format("its style sheets ask for more than {} comparisons of classes",
+                                              SvgSheet::kMostSteps));
     ++context.depth;
     if (!context.is_displayed) return std::nullopt;
     if (!context.faults.empty()) faults_.add(lineOf(node), context.faults);

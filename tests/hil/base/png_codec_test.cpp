@@ -167,6 +167,21 @@ TEST(PngCodec, RefusesEveryFileThatIsCutOffOrChanged) {
   }
 }
 
+// A few hundred kilobytes of one grey that stand for 67 million pixels and more: refused before they are
+// unpacked.
+TEST(PngCodec, RefusesMorePixelsThanTheBytesCanSay) {
+  constexpr int kSide = 8193;
+  const std::vector<std::uint8_t> grey(std::size_t{kSide} * kSide, 7);
+  const auto encodedSquare = [&](int side) {
+    const auto area = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
+    return encodePng({side, side, 1, 8, std::span(grey).first(area)}, PngEffort::kQuick);
+  };
+  const std::vector<std::uint8_t> bomb = encodedSquare(kSide);
+  EXPECT_LT(bomb.size(), std::size_t{1} << 20U);
+  EXPECT_FALSE(decodePng(bomb, PngColours::kGrey).has_value());
+  EXPECT_TRUE(decodePng(encodedSquare(kSide - 1), PngColours::kGrey).has_value());
+}
+
 TEST(PngCodec, WritesNothingThatIsNoPicture) {
   const std::vector<std::uint8_t> four(4);
   EXPECT_THROW((void)encodePng({0, 4, 1, 8, {}}, PngEffort::kQuick), std::invalid_argument);

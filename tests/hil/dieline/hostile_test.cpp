@@ -166,6 +166,19 @@ TEST(HostileSvg, SelectorsOverADeepTreeTakeTheirTimeOnly) {
   EXPECT_EQ(readText(".svg", svg(body)).entities.at(0).layer, "#0000ff");
 }
 
+TEST(HostileSvg, RulesTimesClassesEnd) {
+  // Nine thousand classes of one element, and as many rules: each rule would look through all of them.
+  std::string rules;
+  std::string classes;
+  for (int i = 0; i < 9000; ++i) {
+    const std::string name = "c" + std::to_string(i);
+    rules += "." + name + "{stroke:red}";
+    classes += name + " ";
+  }
+  EXPECT_THAT(faultsOf(".svg", svg("<style>" + rules + "</style><line x2='9' class='" + classes + "'/>")),
+              HasSubstr("more than 200000000 comparisons of classes"));
+}
+
 TEST(Hostile, OtherFilesAreRefused) {
   EXPECT_THAT(faultsOf(".eps", "%!PS"),
               HasSubstr("extension '.eps' is not supported; .dxf, .svg, .pdf and .cf2 are"));
