@@ -151,7 +151,7 @@ void DeskRoutes::refuseUncuttable(const fs::path& file, const std::string& name)
       return std::string();
     });
   } catch (const Refusal& refusal) {
-    // It lies elsewhere while it is looked at.
+    // The file lies elsewhere while it is looked at.
     std::string words = refusal.what();
     for (auto at = words.find(file.string()); at != std::string::npos; at = words.find(file.string(), at))
       words.replace(at, file.string().size(), name);

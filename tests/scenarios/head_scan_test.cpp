@@ -109,7 +109,7 @@ class HeadScan : public testing::Test {
         "calibrate target --columns 34 --rows 34 --square-mm 4.2 --out '{}'", path("target.svg").string()));
     ASSERT_EQ(target.exit_code, 0) << target.output;
     calibrate::test::ScannerModel with_target = scanner_;
-    with_target.turn_rad = -0.009;  // It was laid otherwise than the sheets.
+    with_target.turn_rad = -0.009;  // Nobody lays it just as the sheets.
     writePicture(path("glass.png"), with_target.target(calibrate::readTarget(path("target.yaml"))));
     const ProgramRun scanner = kerfbench(fmt::format(
         "calibrate scanner --scan '{}' --target '{}' --dpi {} --date 2026-11-21 --out '{}'",
@@ -177,7 +177,7 @@ TEST_F(HeadScan, OneScanOfEachSheetMakesTheTable) {
   EXPECT_THAT(textOf(results() / "steps.html"), HasSubstr("<div class=big>GOOD</div>"));
   EXPECT_EQ(nlohmann::json::parse(textOf(results() / "steps.json")).at("verdict"), "GOOD");
   EXPECT_FALSE(textOf(results() / "correction.csv").empty());
-  // By the twin's own camera: as it was mounted, and with the table that scans alone have made.
+  // The twin's own camera judges: the head as it was mounted, and with the table that scans alone have made.
   ASSERT_GE(off_mm.size(), 2U);
   EXPECT_GT(off_mm.front(), 0.2);
   EXPECT_LT(off_mm.back(), 0.02);
