@@ -43,8 +43,8 @@ desk::ScenarioText scenarioText(const fs::path& file) {
 
 void printLine(std::FILE* out, const std::string& line) { base::toTerminal(out, line + "\n"); }
 
-void printJson(const std::string& json) {
-  base::toTerminalAsItIs(stdout, base::jsonForTerminal(json) + "\n");
+void printJson(const std::string& line) {
+  base::toTerminalAsItIs(stdout, base::jsonForTerminal(line) + "\n");
 }
 
 /// Runs an action; faults of the user's files go to standard error.

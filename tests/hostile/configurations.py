@@ -140,7 +140,7 @@ def plan_cases():
     return [
         Case("suite", "pattern of /", writes(suite + "  - scenario: /*/*/*/*/*.yaml\n"), group="amplification", honest=(5.0, 256 * MIB)),
         Case("suite", "10^5 seeds", writes(suite + f"  - scenario: {FIXTURES}/scenarios/native/button.yaml\n    seeds: [" +
-             ", ".join(map(str, range(100_000))) + "]\n"), group="entities"),
+             ", ".join(map(str, range(100_000))) + "]\n"), group="entities", honest=(5.0, 256 * MIB)),
         Case("suite", "pattern of 10^4 stars", writes(suite + f"  - scenario: {FIXTURES}/scenarios/{'*' * 10_000}x.yaml\n"),
              group="amplification"),
         Case("suite", "scenario is a foreign file", beside({"foreign.txt": FOREIGN}, suite + "  - scenario: foreign.txt\n"), group="foreign",
