@@ -27,7 +27,7 @@ class _Page(html.parser.HTMLParser):
         self.wrong, self.inside, self.texts = [], [], []
 
     def handle_starttag(self, tag, attrs):
-        if tag.startswith("kb"):
+        if tag in ("kb", "kbtag"):
             self.wrong.append(f"an element <{tag}>")
         for name, value in attrs:
             if name.startswith("onkb") or name == "kb":
