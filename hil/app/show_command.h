@@ -21,10 +21,10 @@ struct ShowOptions {
   int width_px{1280};
   int height_px{800};                  ///< A drawing's picture is as high as it needs to be.
   std::string view{"overall"};         ///< overall, head, sheet.
-  std::filesystem::path film;          ///< Of the run; empty: a picture.
+  std::filesystem::path film;          ///< A film of the run; empty: a picture.
   std::optional<double> from_s, to_s;  ///< What of the run the film shows; both empty: a cycle.
   double slow{1.0};                    ///< A second of the run takes so many of the film.
-  double pictures_each_s{25.0};        ///< Of the film.
+  double pictures_each_s{25.0};        ///< Pictures a second of the film.
   int threads{1};                      ///< For a film.
   bool quiet{};
   std::filesystem::path bin_dir;

@@ -18,7 +18,7 @@ using SceneAt = std::function<twin::Scene(double time_s)>;
 struct FilmSpan {
   double from_s{}, to_s{};
   double slow{1.0};              ///< A second of the run takes so many of the film; > 0.
-  double pictures_each_s{25.0};  ///< Of the film; > 0.
+  double pictures_each_s{25.0};  ///< Pictures a second of the film; > 0.
 
   [[nodiscard]] std::size_t pictures() const;  ///< At least 1; the first is at from_s, none behind to_s.
   [[nodiscard]] double timeOf_s(std::size_t picture) const;

@@ -10,6 +10,7 @@ import { Details } from '../src/trace/details.js';
 import { TraceFile } from '../src/trace/file.js';
 import { BlockCache, BlobReadable, BytesReadable, HttpReadable } from '../src/trace/readable.js';
 import { Trace } from '../src/trace/trace.js';
+import { lookAt } from './looks.mjs';
 import { madeTrace } from './made_trace.mjs';
 import { numbers } from './random.mjs';
 
@@ -186,6 +187,40 @@ test('what is looked at last is read, and wishes that were overtaken are given u
   assert.ok(looks(59).complete, 'the last that was looked at');
   assert.equal((await needed).length, 1, 'what somebody waits for is not given up');
   assert.ok(file.work.chunks < 100, `${file.work.chunks} of 121 chunks were read`);
+});
+
+test('a jump reads as little of an hour as of a minute', async () => {
+  /** Chunks as a run writes them: motion and pins of a second in turn, burnt paths of 20 s, overview and camera. */
+  const layout = (seconds) => {
+    const column = (s, n) => Array.from({ length: n }, (_, i) => s + i / n);
+    const all = [[{ topic: '/machine', time_s: 0, json: { ...machine, belt_mm_s: 10, views: { overall: { min_mm: [0, 0, 0], max_mm: [500, 1, 1] } } } }]];
+    for (let s = 0; s < seconds; ++s) {
+      const t_s = column(s, 10);
+      all.push([{ topic: '/motion', time_s: s, json: { t_s, belt_mm: t_s } }, { topic: '/commanded', time_s: s, json: { t_s, x_mm: t_s, y_mm: t_s } },
+        { topic: '/gcode', time_s: s + 0.4, json: { t_s: [s + 0.4], line: [1], unit: [0] } }]);
+      all.push([{ topic: '/pins', time_s: s, json: { tick0: 1000 * s, dt: [0, 5], id: [0, 0], level: [1, 0] } }]);
+      if (s % 20 === 19) all.push(column(s - 19, 20).map((at) => ({ topic: '/burnt', time_s: at, json: { t_s: [at], x_mm: [0], y_mm: [0], start: [1] } })));
+      if (s % 10 === 9) all.push([{ topic: '/overview/100ms', time_s: s - 9, json: { from_s: s - 9, step_s: 0.1, rows: 100, pins: [], columns: {}, lit_s: [] } }]);
+    }
+    for (let s = 0; s < seconds; ++s)
+      all.push([{ topic: '/spot', time_s: s, json: { t_s: column(s, 10), x_px: column(s, 10), y_px: column(s, 10), unit: column(s, 10) } }]);
+    for (let s = 0; s < seconds; ++s)
+      all.push([{ topic: '/frames', time_s: s, json: { timestamp: { sec: s, nsec: 0 }, sequence: s, start_s: s, exposure_s: 1e-4, windows: [] } }]);
+    return madeTrace(all);
+  };
+  for (const seconds of [60, 3600]) {
+    const hour = layout(seconds);
+    const next = numbers(46);
+    for (let round = 0; round < 5; ++round) {
+      const trace = await open(hour);
+      const before = { ...trace.file.work };
+      await lookAt(trace, 0.9 * seconds * next());
+      const [requests, chunks, read] = ['requests', 'chunks', 'bytes'].map((name) => trace.file.work[name] - before[name]);
+      assert.ok(chunks > 4 && chunks <= 18, `${chunks} chunks of ${seconds} s`);
+      assert.ok(requests <= 8, `${requests} requests of ${seconds} s`);
+      assert.ok(read < 400_000, `${read} bytes of ${seconds} s`);
+    }
+  }
 });
 
 test('cut off behind its first chunk a trace still shows its machine', async () => {

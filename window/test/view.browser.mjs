@@ -184,6 +184,20 @@ test('it plays at the speed that is chosen, and stops', async () => {
   await page.until("(t) => Math.abs(new URLSearchParams(location.hash.slice(1)).get('t') - t) < 1e-6", t_s);
 });
 
+test('a jump reads few chunks by few requests, and nothing but them', async () => {
+  await trace(0.5);
+  await views(0.5);
+  const work = () => page.run("() => ({ ...document.querySelector('.viewer').viewer.trace.file.work })");
+  const before = await work();
+  await page.run("() => document.querySelector('.viewer').viewer.timeline.go(6.5)");
+  await views(6.5);
+  const after = await work();
+  const [requests, chunks, bytes] = ['requests', 'chunks', 'bytes'].map((name) => after[name] - before[name]);
+  assert.ok(chunks > 0 && chunks <= 14, `${chunks} chunks`);
+  assert.ok(requests <= 8, `${requests} requests`);
+  assert.ok(bytes < 2_000_000, `${bytes} bytes`);
+});
+
 test('marks measure, zooming goes down to ticks, and pulses are measured against their data sheet', async () => {
   await trace(3.5);
   await views(3.5);

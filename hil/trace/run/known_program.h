@@ -6,16 +6,16 @@
 
 namespace kerfbench::trace {
 
-/// By whom the program of a run is known.
+/// How the program of a run is known.
 enum class ProgramOrigin {
   kSent,      ///< The bench has sent it to the controller.
-  kRecorded,  ///< It lies beside the recording of the pins, where the run that was recorded has put it.
+  kRecorded,  ///< Found beside the recording of the pins, where the run that was recorded has put it.
   kPlanned,   ///< Planned anew from the scenario: what the controller was sent, nobody has kept.
 };
 
 /// The program that a run is shown with, for people; nothing judges by it.
 struct KnownProgram {
-  std::string gcode{};  ///< Of one unit; empty: not known.
+  std::string gcode{};  ///< The program of one unit; empty: not known.
   ProgramOrigin from{ProgramOrigin::kSent};
   std::optional<double> period_s{};  ///< Period of the controller's program.
 };

@@ -41,7 +41,7 @@ TEST(FilmSpan, HasPicturesInEqualStepsAndNoneBehindItsEnd) {
 }
 
 TEST(Cycle, OfAGantryIsOnceForthAndBack) {
-  // It waits until 1 s, goes forth by 1.5 s, back by 2 s, waits, and comes again each 4 s.
+  // The head waits until 1 s, goes forth by 1.5 s, back by 2 s, waits, and comes again each 4 s.
   const SceneAt gantry = headAlong([](double time_s) {
     const double t = std::fmod(std::max(0.0, time_s - 1.0), 4.0);
     return t < 1.5 ? 200.0 * t : t < 3.5 ? 300.0 - 150.0 * (t - 1.5) : 0.0;
