@@ -150,7 +150,8 @@ void TraceFile::flushIfFull(TopicGroup group) {
   const McapChunk& chunk = chunkOf(group);
   if (chunk.empty()) return;
   const double held_s = seconds(last_ns_.at(static_cast<std::size_t>(group))) - seconds(chunk.firstTime_ns());
-  if (held_s >= finishedChunk_s(group) || chunk.size() >= kFullChunk_bytes) flush(group);
+  const std::size_t full_bytes = group == TopicGroup::kCamera ? kFullCameraChunk_bytes : kFullChunk_bytes;
+  if (held_s >= finishedChunk_s(group) || chunk.size() >= full_bytes) flush(group);
 }
 
 void TraceFile::addMetadata(const std::string& name, const std::map<std::string, std::string>& values) {

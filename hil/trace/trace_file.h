@@ -24,7 +24,8 @@ class TraceFile {
   void add(Topic topic, std::uint64_t log_time_ns, std::string_view json);
   /// Appends what a group has.
   void flush(TopicGroup group);
-  /// Appends what a group has, if it holds more than finishedChunk_s() or kFullChunk_bytes.
+  /// Appends what a group has, if it holds more than finishedChunk_s() or
+  /// kFullChunk_bytes (kFullCameraChunk_bytes).
   void flushIfFull(TopicGroup group);
   void addMetadata(const std::string& name, const std::map<std::string, std::string>& values);
   void addAttachment(const std::string& name, const std::string& media_type, std::string_view data);
@@ -35,6 +36,8 @@ class TraceFile {
   [[nodiscard]] std::uint64_t bytes() const { return writer_.bytes(); }
 
   static constexpr std::size_t kFullChunk_bytes = std::size_t{1} << 20U;
+  /// Pictures are large, and one of them is looked at.
+  static constexpr std::size_t kFullCameraChunk_bytes = std::size_t{1} << 18U;
 
  private:
   McapChunk& chunkOf(TopicGroup group) { return chunks_.at(static_cast<std::size_t>(group)); }

@@ -256,6 +256,27 @@ TEST_F(RunTrace, WhatIsShownAtOneMomentBelongsTogether) {
   EXPECT_GE(last_unit, 0);
 }
 
+// A viewer that looks at a moment reads the chunk of its frame, and finds all windows of it there.
+TEST_F(RunTrace, TheWindowsOfAFrameLieInOneChunkAndItIsSmall) {
+  trace::McapReader reader(traceOf("two"));
+  trace::McapDirectory directory;
+  std::map<int, std::set<std::uint64_t>> chunks_of_frame;
+  while (const auto record = reader.next()) {
+    directory.take(record->op, record->content);
+    if (record->op != trace::McapOp::kChunk) continue;
+    const std::string records = trace::chunkRecords(record->content);
+    trace::forEachRecord(records, [&](trace::McapOp op, std::string_view content) {
+      if (op != trace::McapOp::kMessage) return;
+      const trace::McapMessage message = trace::readMcapMessage(content);
+      if (directory.channels().at(message.channel).topic != "/frames") return;
+      chunks_of_frame[json::parse(message.data).at("sequence").get<int>()].insert(record->offset);
+      EXPECT_LT(records.size(), 3 * trace::TraceFile::kFullCameraChunk_bytes);
+    });
+  }
+  EXPECT_GT(chunks_of_frame.size(), 10U);
+  for (const auto& [sequence, chunks] : chunks_of_frame) EXPECT_EQ(chunks.size(), 1U) << sequence;
+}
+
 TEST_F(RunTrace, TheOverviewCountsTheSameEdges) {
   std::map<int, long long> edges, overview;
   for (const Message& message : messages().at("/pins"))

@@ -345,10 +345,14 @@ void RunTrace::addJudgement(const report::RunReport& report, TraceFile& whole) c
   };
   spotMessages(report, pixel, take(Topic::kSpot));
   whole.flush(TopicGroup::kCamera);
+  std::uint64_t before_ns = 0;
   frames_.forEach([&](std::uint64_t time_ns, std::string_view json) {
+    // The windows of one frame stay together.
+    if (time_ns != before_ns) whole.flushIfFull(TopicGroup::kCamera);
     whole.add(Topic::kFrames, time_ns, json);
-    whole.flushIfFull(TopicGroup::kCamera);
+    before_ns = time_ns;
   });
+  whole.flush(TopicGroup::kCamera);
   checkMessages(report, take(Topic::kChecks));
 }
 
