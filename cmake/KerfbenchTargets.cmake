@@ -53,6 +53,10 @@ if(KERFBENCH_SANITIZE)
   target_compile_options(kerfbench_options INTERFACE
     $<$<CXX_COMPILER_ID:Clang>:-fno-sanitize=null,alignment,object-size,pointer-overflow,nonnull-attribute,returns-nonnull-attribute>)
   target_link_options(kerfbench_options INTERFACE -fsanitize=address,undefined)
+  if(KERFBENCH_FUZZ)
+    # A place beyond the end of a std::vector that is within its memory is a fault as well.
+    target_compile_options(kerfbench_options INTERFACE -fsanitize=fuzzer-no-link -D_GLIBCXX_ASSERTIONS)
+  endif()
   # In the tests' own sources Eigen's templates under the second sanitizer take longer than all that they test.
   set(kerfbench_test_options -fno-sanitize=undefined)
 elseif(CMAKE_BUILD_TYPE STREQUAL Release)
