@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -77,8 +78,13 @@ class Place:
         self.outputs.append((f"{title}: terminal", taken, done.stdout))
         self.outputs.append((f"{title}: terminal", parsers.terminal, done.stderr))
         if done.returncode not in codes or done.returncode == 2:
-            self.outputs.append((title, lambda _, code=done.returncode, said=done.stderr: [f"exit code {code}: {said[:200]!r}"], b""))
+            self.fail(title, done)
         return done
+
+    def fail(self, title, done):
+        """A command that has not done what the stage goes on with."""
+        said = (done.stdout + done.stderr)[-300:]
+        self.outputs.append((title, lambda _: [f"exit code {done.returncode}: {said!r}"], b""))
 
     def take(self, title, parser, path):
         for file in sorted(self.at.glob(path)):
@@ -127,7 +133,10 @@ def results(place, folder):
 
 
 def summarised(place, folder):
-    subprocess.run([sys.executable, "-B", str(ROOT / "packaging/ci/summary.py"), folder], cwd=place.at, check=True, capture_output=True)
+    done = subprocess.run([sys.executable, "-B", str(ROOT / "packaging/ci/summary.py"), folder], cwd=place.at, check=False,
+                          capture_output=True)
+    if done.returncode != 0:
+        place.fail("summary.py", done)
     place.take("summary.md", parsers.markdown, f"{folder}/summary.md")
     place.take("junit.xml of all", parsers.markup, f"{folder}/junit.xml")
 
@@ -147,7 +156,7 @@ def run_stage(place):
     layer = one_line(place.put("kblayer"))
     (place.at / drawing).write_bytes(dxf(layer))
     image = place.name("kbimage", "")
-    os.symlink(place.bench.parent / "firmware/controller-native", place.at / image)
+    shutil.copy(place.bench.parent / "firmware/controller-native", place.at / image)
     (place.at / machine).write_text(f"extends: {FIXTURES}/machines/two-mirror-gated.yaml\nname: {place.plain('kbmachinename')}\n"
                                     f"cameras: {{spot: {{calibration: {FIXTURES}/machines/two-mirror.spot.camera.yaml}}, "
                                     f"kerf: {{calibration: {FIXTURES}/machines/two-mirror.kerf.camera.yaml}}}}\n", errors="surrogateescape")
@@ -161,7 +170,7 @@ def run_stage(place):
     command = ["run", file, "--no-pictures", "--serial-number", serial, "-j", "1"]
     serial_bytes = os.fsencode(serial)[:60]
     command[4] = os.fsdecode(serial_bytes)
-    place.tell("kerfbench", *command, "--events", "events.jsonl", title="kerfbench run")
+    place.tell("kerfbench", *command, "--events", "events.jsonl", title="kerfbench run", codes=(0, 1, 3, 4))
     place.take("events", lambda content: parsers.values(content, lines=True), "events.jsonl")
     results(place, "results")
     repeats(place, command)
@@ -175,7 +184,7 @@ def child_stage(place):
     """A release that crashes: its name and its last words; a suite and a campaign of it."""
     place.child(name=place.put("kbchildname")[:60], message=place.put("kbmessage"))
     (place.at / "travel.yaml").write_text(scenario(place, "time_limit_s: 0.05\n", "{source: child, image: image, child: child.py, dialog: none}"))
-    place.tell("kerfbench", "run", "travel.yaml", "--no-pictures")
+    place.tell("kerfbench", "run", "travel.yaml", "--no-pictures", codes=(3,))
     results(place, "results")
     (place.at / "suite.yaml").write_text(f"version: 1\nname: suite\ntitle: {place.plain('kbsuite')}\nruns:\n"
                                          f"  - {{scenario: travel.yaml, tags: [{place.plain('kbtag')}]}}\n")
@@ -198,7 +207,7 @@ def words_stage(place):
     place.child(uart=b"error: " + place.put("kbuart")[:200] + b"\n")
     text = scenario(place, "time_limit_s: 1\n", "{source: child, image: image, child: child.py}", "line-ok/plate.yaml")
     (place.at / "travel.yaml").write_text(text.replace("child: child.py", f"child: child.py, gcode: {FIXTURES}/scenarios/line-ok/plate.gcode"))
-    place.tell("kerfbench", "run", "travel.yaml", "--no-pictures")
+    place.tell("kerfbench", "run", "travel.yaml", "--no-pictures", codes=(3,))
     results(place, "results")
     place.child(error=place.put("kberror"))
     place.tell("kerfbench", "run", "travel.yaml", "--no-pictures", "--results-dir", "refused", title="kerfbench run, refused")
@@ -256,7 +265,7 @@ def recording_stage(place):
                                   b"".join(b"0%c\n" % (33 + i) for i in range(len(names))) + b"#50000\n1!\n#50010\n0!\n#60000\n")
     (place.at / "travel.yaml").write_text(scenario(place, "", "{source: native, image: controller-native, mcu: native}"))
     command = ["replay", file, "--scenario", "travel.yaml", "--no-pictures"]
-    place.tell("kerfbench", *command, title="kerfbench replay")
+    place.tell("kerfbench", *command, title="kerfbench replay", codes=(0, 1, 3, 4))
     results(place, "results")
     repeats(place, command)
     place.tell("kerfbench", "motion", file, "--scenario", "travel.yaml", "--out", "motion")
