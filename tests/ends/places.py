@@ -65,7 +65,7 @@ def try_place(way, share, whole_s, whole_kib, place):
             time.sleep(share * whole_s)
             if process.poll() is None:
                 shutil.rmtree(place.results, ignore_errors=True)
-        said = process.communicate(timeout=120)[1]
+        said = process.communicate(timeout=600)[1]
         code = process.returncode
         if code not in (0, 2, 3, 65):
             wrong.append(f"exit code {code}: {said[-300:]}")
