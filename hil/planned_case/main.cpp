@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kerfplan-scenario: kerfplan, with values of scenario and machine files as the defaults of its options.
-// kerfplan hands over to it, because the planner itself knows nothing of the bench (decision 092).
+// kerfplan hands over to it, because the planner itself knows nothing of the bench (decision 090).
 #include <filesystem>
 
 #include "firmware_under_test/planner/kerfplan/kerfplan.h"
