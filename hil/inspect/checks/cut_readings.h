@@ -18,7 +18,7 @@ struct CutReadings {
   /// Makes frames x (modes of the camera, x and y of each registration mark): shift of the x-residual, mm.
   /// They are made when they are looked at: those of a long run would fill the memory.
   std::function<Eigen::MatrixXd()> shared;
-  Eigen::Index columns{};  ///< Their number.
+  Eigen::Index columns{};  ///< Columns of shared().
 };
 
 /// What the place of a spot or a mark within its pixel does to the estimate of its centre, standard

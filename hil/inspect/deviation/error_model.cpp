@@ -124,7 +124,7 @@ class SharedErrors {
   double table_sigma_mm_;
   double scale_sigma_;
   std::map<std::pair<int, int>, Eigen::Index> tile_columns_;
-  std::map<int, Place> places_;  ///< By unit.
+  std::map<int, Place> places_;  ///< Places by unit.
 };
 
 /// What of a caliper's uncertainty is its own. Never nothing: rounding is left.
