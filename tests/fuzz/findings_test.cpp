@@ -2,8 +2,6 @@
 // Files that broke a reader once, in findings/TARGET, and sound ones: each goes through the reader again.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -20,11 +18,6 @@ namespace fs = std::filesystem;
 const fs::path& findings() {
   static const fs::path kFolder = fs::path(KERFBENCH_SOURCE_DIR) / "tests/fuzz/findings";
   return kFolder;
-}
-
-std::string contentOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 Bytes bytesOf(const std::string& text) {

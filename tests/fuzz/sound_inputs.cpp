@@ -15,7 +15,6 @@
 #include "twin/base/image.h"
 
 namespace kerfbench::fuzz {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -23,6 +22,8 @@ std::string contentOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
+
+namespace {
 
 std::string pictureBytes() {
   GrayImage image(5, 4);
