@@ -2,17 +2,20 @@
 #include "hil/app/film_command.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
+#include <iterator>
 #include <string>
 
 #include "hil/app/filmed_run.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
+#include "hil/base/input_file.h"
+#include "hil/base/terminal.h"
 #include "hil/judge/machine_pictures.h"
 #include "hil/scenario/case.h"
 #include "hil/scene/film.h"
@@ -29,7 +32,7 @@ constexpr std::size_t kMostPictures = 36'000;
 constexpr double kLookedThrough_s = 120.0;
 
 int refuse(const std::string& why) {
-  std::fputs(("show: " + why + "\n").c_str(), stderr);
+  base::toTerminal(stderr, "show: " + why + "\n");
   return base::kExitUsage;
 }
 
@@ -40,10 +43,10 @@ std::string tooLong(std::size_t pictures) {
 }
 
 bool isTrace(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  const base::OpenedInput file = base::openInput(path, base::kAnySize);
   std::string begin(trace::kMcapMagic.size(), '\0');
-  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return file && begin == trace::kMcapMagic;
+  return file.refusal.empty() && ::pread(file.fd.get(), begin.data(), begin.size(), 0) == std::ssize(begin) &&
+         begin == trace::kMcapMagic;
 }
 
 /// What of a run is filmed, and what it is called.
@@ -133,7 +136,7 @@ int showFilm(const ShowOptions& options) {
     if (span.pictures() > kMostPictures) return refuse(tooLong(span.pictures()));
   }
   if (!scene::ffmpegFound()) {
-    std::fputs("show: films need FFmpeg: install it (apt-get install ffmpeg)\n", stderr);
+    base::toTerminal(stderr, "show: films need FFmpeg: install it (apt-get install ffmpeg)\n");
     return base::kExitBroken;
   }
   base::Console console(options.quiet);

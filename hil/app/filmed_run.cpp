@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <string>
 
+#include "hil/base/terminal.h"
 #include "hil/run/dialogs.h"
 #include "hil/run/lockstep.h"
 #include "hil/run/model_machine.h"
@@ -31,7 +32,7 @@ run::MachineFilm filmedRun(const scenario::Case& test_case, const twin::SampledM
   const bool cut_short = until_s && machine.film().end_s() + 1e-9 >= *until_s;
   if (!cut_short) {
     for (const std::string& problem : run.problems)
-      std::fputs(fmt::format("{}: {}\n", scenario.name, problem).c_str(), stderr);
+      base::toTerminal(stderr, fmt::format("{}: {}\n", scenario.name, problem));
   }
   return machine.film();
 }

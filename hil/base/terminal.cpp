@@ -25,7 +25,7 @@ bool isObeyedHere(std::string_view text) {
 std::string forTerminal(std::string_view text) {
   std::string out;
   out.reserve(text.size());
-  bool at_begin = true;  // Of a line; blanks are passed over.
+  bool at_begin = true;  // Nothing but blanks stands before it in the line.
   while (!text.empty()) {
     if (at_begin && text.starts_with("::")) {
       out += ": :";

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/base/yaml_node.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 
 #include "hil/base/near_word.h"
@@ -50,11 +52,12 @@ void YamlReader::File::depend(const std::filesystem::path& on) {
 YamlReader::Node::Node(std::shared_ptr<File> the_file, const YAML::Node& the_yaml, KeyBook the_book,
                        std::shared_ptr<Node> the_base)
     : file(std::move(the_file)),
-      yaml(the_yaml),
+      yaml(std::make_shared<const YAML::Node>(the_yaml)),
       book(std::make_shared<KeyBook>(std::move(the_book))),
       base(std::move(the_base)) {
-  if (yaml.IsMap()) {
-    for (const auto& entry : yaml) book->keys.emplace_back(entry.first.Scalar(), placeAt(entry.first.Mark()));
+  if (yaml->IsMap()) {
+    for (const auto& entry : *yaml)
+      book->keys.emplace_back(entry.first.Scalar(), placeAt(entry.first.Mark()));
   }
   file->books.push_back(book);
 }
@@ -74,7 +77,7 @@ void YamlReader::Node::fault(std::string_view key, std::string_view message) con
 }
 
 bool YamlReader::Node::isText(std::string_view key) const {
-  const YAML::Node constant = ownerOf(key).yaml;
+  const YAML::Node& constant = *ownerOf(key).yaml;
   if (!constant.IsMap()) return false;
   const YAML::Node value = constant[std::string(key)];
   return given(value) && value.IsScalar();
@@ -82,7 +85,7 @@ bool YamlReader::Node::isText(std::string_view key) const {
 
 YAML::Node YamlReader::Node::take(std::string_view key, const std::optional<Range>& range) {
   for (Node* node = this; node != nullptr; node = node->base.get()) node->book->asked.emplace(key);
-  const YAML::Node constant = ownerOf(key).yaml;
+  const YAML::Node& constant = *ownerOf(key).yaml;
   const YAML::Node value =
       constant.IsMap() ? constant[std::string(key)] : YAML::Node(YAML::NodeType::Undefined);
   Asked& asked = file->asked[withoutIndices(book->prefix) + std::string(key)];

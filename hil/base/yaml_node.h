@@ -3,8 +3,6 @@
 
 // What the sources of YamlReader share; nobody else includes it.
 
-#include <yaml-cpp/yaml.h>
-
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -16,6 +14,11 @@
 #include <vector>
 
 #include "hil/base/yaml_reader.h"
+
+namespace YAML {
+class Node;
+struct Mark;
+}  // namespace YAML
 
 namespace kerfbench::base {
 
@@ -67,7 +70,7 @@ struct YamlReader::Node {
        std::shared_ptr<Node> the_base);
 
   std::shared_ptr<File> file;
-  YAML::Node yaml;  ///< Null for a section that is missing.
+  std::shared_ptr<const YAML::Node> yaml;  ///< Null for a section that is missing.
   std::shared_ptr<KeyBook> book;
   std::shared_ptr<Node> base;
 

@@ -127,7 +127,7 @@ YamlReader YamlReader::section(std::string_view key) {
   std::shared_ptr<Node> below =
       node_->base && !is_replaced ? YamlReader(node_->base).section(key).node_ : nullptr;
   node_->book->asked.emplace(key);
-  const YAML::Node constant = node_->yaml;
+  const YAML::Node& constant = *node_->yaml;
   const YAML::Node value =
       constant.IsMap() ? constant[std::string(key)] : YAML::Node(YAML::NodeType::Undefined);
   const bool is_given = given(value);

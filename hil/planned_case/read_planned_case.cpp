@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <iostream>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +13,7 @@
 #include "hil/base/console.h"
 #include "hil/base/file_content.h"
 #include "hil/base/input_error.h"
+#include "hil/base/terminal.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/dieline/geometry.h"
 #include "hil/machine_file/machine_file.h"
@@ -52,7 +53,7 @@ planner::PlannedCase ofScenario(const planner::CaseFiles& files, const fs::path&
   base::Console console(false);
   const scenario::Case whole = scenario::caseOf(scenarioOf(files, bin_dir), base::progressOn(console));
   console.endProgress();
-  for (const std::string& note : whole.dieline->notes) std::cerr << "note: " << note << '\n';
+  for (const std::string& note : whole.dieline->notes) base::toTerminal(stderr, "note: " + note + "\n");
   const scenario::Scenario& read = whole.scenario;
   planner::PlannedCase result{.machine = scenario::targetedMachine(whole),
                               .job = scenario::plannerJob(whole),

@@ -38,6 +38,7 @@ const std::map<std::string, std::string>& unfuzzed() {
       {"hil/history/run_history.h", kRecord},
       {"hil/live/recording_file.h", "chooses between recording_vcd and recording_sr"},
       {"hil/machine_file/drive_catalogue.h", kSettings},
+      {"hil/machine_file/machine_text.h", "the target machine reads the same from its file"},
       {"hil/scenario/case.h", "scenario, machine and drawing have their targets"},
       {"hil/source/gpio/chips.h", "a device of this computer"},
       {"hil/suite/plan.h", kSettings},

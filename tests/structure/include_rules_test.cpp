@@ -147,10 +147,10 @@ TEST(IncludeRules, TheFirmwareAndItsPlannerKnowNothingOfTheTwin) {
 TEST(IncludeRules, OfTheBenchThePlannerUsesTheDielineAndNothingThatJudges) {
   EXPECT_EQ(
       offenders([](const Include& i) {
-        const std::set<std::string> judges_nothing{"hil/base/atomic_file.h", "hil/base/chart.h",
-                                                   "hil/base/console.h",     "hil/base/file_content.h",
-                                                   "hil/base/input_file.h",  "hil/base/number_from.h",
-                                                   "hil/base/text.h",        "hil/base/installation.h"};
+        const std::set<std::string> judges_nothing{
+            "hil/base/atomic_file.h",  "hil/base/chart.h",        "hil/base/console.h",
+            "hil/base/file_content.h", "hil/base/input_file.h",   "hil/base/number_from.h",
+            "hil/base/text.h",         "hil/base/installation.h", "hil/base/terminal.h"};
         return in(i.file, "firmware_under_test") && in(i.target, "hil") && !in(i.target, "hil/dieline") &&
                i.target != "hil/source/pin_stream.h" &&
                !(in(i.file, "firmware_under_test/planner") && judges_nothing.contains(i.target)) &&

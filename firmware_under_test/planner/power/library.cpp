@@ -22,14 +22,9 @@ constexpr std::size_t kMostPoints = 1000;
 constexpr int kMostNumber = 99999;
 constexpr double kAllPercent = 100.0;
 
-std::string printable(YamlReader& file, const char* key, const char* fallback) {
+std::string shortText(YamlReader& file, const char* key, const char* fallback) {
   std::string text =
       fallback == nullptr ? file.text(key) : file.text(key, std::optional<std::string>(fallback));
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f) continue;
-    file.fault(key, "holds control characters");
-    return {};
-  }
   if (text.size() > 500) {
     file.fault(key, "is longer than 500 characters");
     text.clear();
@@ -104,8 +99,8 @@ Material readMaterial(const std::filesystem::path& path) try {
   YamlReader file = opened(path, "material");
   Material material;
   material.number = numberOf(file);
-  material.name = printable(file, "name", nullptr);
-  material.source = printable(file, "source", "");
+  material.name = shortText(file, "name", nullptr);
+  material.source = shortText(file, "source", "");
   YamlReader units = file.section("units");
   (void)units.choice("power_per_area", {"J/mm2"});
   (void)units.choice("depth", {"mm"});
@@ -123,8 +118,8 @@ LaserTube readLaser(const std::filesystem::path& path) try {
   YamlReader file = opened(path, "laser");
   LaserTube laser;
   laser.number = numberOf(file);
-  laser.name = printable(file, "name", nullptr);
-  laser.source = printable(file, "source", "");
+  laser.name = shortText(file, "name", nullptr);
+  laser.source = shortText(file, "source", "");
   YamlReader units = file.section("units");
   laser.control_unit = units.choice("control", {"%", "V"});
   (void)units.choice("power", {"W"});

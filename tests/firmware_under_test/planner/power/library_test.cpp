@@ -103,7 +103,7 @@ TEST(PowerLibrary, NamesEverythingThatIsWrongWithItsLine) {
       "  - {depth: 0.5, width: 3}\n");              // 13
   for (const char* fault :
        {":1: version: this program reads version 1", ":2: kind: 'laser' is none of: material",
-        ":3: name: holds control characters", ":4: units.power_per_area: missing",
+        ":3: name: has a control character", ":4: units.power_per_area: missing",
         ":4: units.depth: 'inch' is none of: mm", ":5: colour: unknown key",
         ":6: points: the first must be where cutting begins, at depth 0",
         ":8: points[1].power_per_area: '.nan' is not a number",

@@ -165,7 +165,7 @@ TEST_F(SrFile, ASampleMayLieInTwoParts) {
 }
 
 TEST_F(SrFile, FilesThatAreNoArchiveOrADamagedOneAreRefused) {
-  EXPECT_THAT(faultsOf(file("nowhere.sr")), AllOf(HasSubstr("nowhere.sr"), HasSubstr("No such file")));
+  EXPECT_THAT(faultsOf(file("nowhere.sr")), AllOf(HasSubstr("nowhere.sr"), HasSubstr("no such file")));
   std::ofstream(file("empty.sr"));
   EXPECT_THAT(faultsOf(file("empty.sr")), HasSubstr("empty.sr"));
   std::ofstream(file("text.sr")) << std::string(1000, 'x');
