@@ -13,7 +13,7 @@
 namespace kerfbench::base {
 namespace {
 
-constexpr std::size_t kMostTold = 50;
+constexpr std::size_t kMostTold = 200;
 
 }  // namespace
 
