@@ -53,7 +53,8 @@ int diagnoseOne(const fs::path& file, bool as_json, base::Console& console) {
     console.result(base::jsonForTerminal(asJson(file, diagnosis)));
     return 0;
   }
-  if (diagnosis.causes.empty())
+  const bool is_explained = !diagnosis.causes.empty() && diagnose::explainsMost(diagnosis.causes.front());
+  if (!is_explained)
     console.result(diagnosis.sentence.empty()
                        ? "The run has passed, or nothing stands out: no cause is named."
                        : diagnosis.sentence);

@@ -42,9 +42,12 @@ void merge(std::vector<Cause>& direct, std::vector<Cause>& fitted) {
   }
 }
 
-/// Where nearly all of a deviation arises that nothing explains, and what to look at there; empty: not at one
-/// place, or too little.
-std::string whereItArises(const Fitted& fitted, const Evidence& evidence) {
+/// A cause that explains less of the deviation than this is not the answer to why.
+constexpr double kMostOfIt = 0.5;
+
+/// Where nearly all of a deviation arises that nothing explains, or little of it, and what to look at there;
+/// empty: not at one place, or too little.
+std::string whereItArises(const Fitted& fitted, const Evidence& evidence, bool is_partly_explained) {
   constexpr double kNearlyAll = 0.8;
   constexpr double kWorthOfLimit = 0.3;
   const double sum = fitted.stage_mm2[0] + fitted.stage_mm2[1] + fitted.stage_mm2[2];
@@ -58,19 +61,21 @@ std::string whereItArises(const Fitted& fitted, const Evidence& evidence) {
       "between pulses and beam: the pulses are right; look at the calibration of the head (correction table, "
       "mounting) "
       "and at the axes"};
-  return fmt::format("No known cause, but {:.0f} % of the deviation arise {}.", 100.0 * *most / sum,
+  return fmt::format("No known cause{}, but {:.0f} % of the deviation arise {}.",
+                     is_partly_explained ? " explains most of it" : "", 100.0 * *most / sum,
                      kSaid[static_cast<std::size_t>(most - fitted.stage_mm2.begin())]);
 }
 
-std::string noneSentence(const Fitted& fitted) {
+std::string noneSentence(const Fitted& fitted, bool is_partly_explained) {
+  const std::string none = is_partly_explained ? "No known cause explains most of this."
+                                               : "None of the known causes explains this.";
   double sum = 0.0;
   for (const double square : fitted.stage_mm2) sum += square;
-  if (!(sum > 0.0) || std::isnan(fitted.deviation_mm)) return "None of the known causes explains this.";
+  if (!(sum > 0.0) || std::isnan(fitted.deviation_mm)) return none;
   return fmt::format(
-      "None of the known causes explains this. Of the deviation of {:.3f} mm RMS {:.0f} % arise between "
-      "drawing and program, {:.0f} % "
+      "{} Of the deviation of {:.3f} mm RMS {:.0f} % arise between drawing and program, {:.0f} % "
       "between program and pulses, {:.0f} % between pulses and cut.",
-      fitted.deviation_mm, 100.0 * fitted.stage_mm2[0] / sum, 100.0 * fitted.stage_mm2[1] / sum,
+      none, fitted.deviation_mm, 100.0 * fitted.stage_mm2[0] / sum, 100.0 * fitted.stage_mm2[1] / sum,
       100.0 * fitted.stage_mm2[2] / sum);
 }
 
@@ -107,12 +112,18 @@ Diagnosis diagnose(const Evidence& evidence) {
     if (cause.instead.empty()) continue;
     cause.sentence += fmt::format(" This run cannot tell it from: {}.", fmt::join(cause.instead, ", "));
   }
-  if (!diagnosis.causes.empty())
-    diagnosis.sentence = diagnosis.causes.front().sentence;
-  else if (evidence.failed)
-    diagnosis.sentence = noneSentence(fitted);
-  if (diagnosis.causes.empty() && evidence.failed) diagnosis.arises = whereItArises(fitted, evidence);
+  const bool is_partly_explained = !diagnosis.causes.empty();
+  if (is_partly_explained) diagnosis.sentence = diagnosis.causes.front().sentence;
+  if (!evidence.failed || (is_partly_explained && explainsMost(diagnosis.causes.front()))) return diagnosis;
+  diagnosis.arises = whereItArises(fitted, evidence, is_partly_explained);
+  diagnosis.sentence = is_partly_explained && !diagnosis.arises.empty()
+                           ? diagnosis.arises
+                           : noneSentence(fitted, is_partly_explained);
   return diagnosis;
+}
+
+bool explainsMost(const Cause& cause) {
+  return cause.direct || std::isnan(cause.share) || cause.share >= kMostOfIt;
 }
 
 const std::vector<std::string>& causeKeys() {

@@ -35,11 +35,15 @@ struct Cause {
 struct Diagnosis {
   std::vector<Cause> causes;
   double deviation_mm{kUnknown};  ///< RMS of the deviation that is to be explained.
-  std::string
-      sentence;  ///< "None of the known causes …"; else that of the first cause; empty: nothing to say.
-  std::string
-      arises;  ///< Without a cause: where nearly all of the deviation arises, and what to look at; or empty.
+  /// That of the first cause if it explainsMost(); else where the deviation arises; empty: nothing to say.
+  std::string sentence;
+  /// Where nearly all of the deviation arises, and what to look at there, if no cause explainsMost(); or
+  /// empty.
+  std::string arises;
 };
+
+/// Whether a cause is the answer to why: it was seen itself, or explains at least half of the deviation.
+bool explainsMost(const Cause& cause);
 
 /// Compares the evidence with what each known cause would make of it. Pure. Of a run that has passed nothing
 /// is said. Direct evidence goes before what fits; a second cause is named if it explains what the first

@@ -33,9 +33,13 @@ OrderedJson diagnosisJson(const RunReport& report) {
 std::vector<std::string> diagnosisLines(const RunReport& report) {
   const diagnose::Diagnosis& diagnosis = report.diagnosis;
   std::vector<std::string> lines;
+  const bool is_explained = !diagnosis.causes.empty() && diagnose::explainsMost(diagnosis.causes.front());
+  if (!is_explained && !diagnosis.sentence.empty()) lines.push_back(diagnosis.sentence);
   for (const diagnose::Cause& cause : diagnosis.causes)
-    lines.push_back((lines.empty() ? "Likely cause: " : "Also: ") + cause.sentence);
-  if (lines.empty() && !diagnosis.sentence.empty()) lines.push_back(diagnosis.sentence);
+    lines.push_back((!is_explained   ? "A part of it: "
+                     : lines.empty() ? "Likely cause: "
+                                     : "Also: ") +
+                    cause.sentence);
   return lines;
 }
 
@@ -43,7 +47,9 @@ std::string diagnosisSection(const RunReport& report) {
   const diagnose::Diagnosis& diagnosis = report.diagnosis;
   if (diagnosis.causes.empty())
     return diagnosis.sentence.empty() ? std::string() : "<p>" + escapeHtml(diagnosis.sentence) + "</p>";
-  std::string html = "<table><tr><th>Cause<th>Size<th>Explains<th>Left, RMS</tr>";
+  std::string html =
+      diagnose::explainsMost(diagnosis.causes.front()) ? "" : "<p>" + escapeHtml(diagnosis.sentence) + "</p>";
+  html += "<table><tr><th>Cause<th>Size<th>Explains<th>Left, RMS</tr>";
   for (const diagnose::Cause& cause : diagnosis.causes) {
     const std::string size = cause.size.unit.empty() ? std::string("–")
                                                      : fmt::format("{:.4g} ± {:.2g} {}", cause.size.value,

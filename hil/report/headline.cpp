@@ -57,14 +57,11 @@ std::string whenOf(const Whereabouts& where) {
 
 namespace {
 
-/// A cause that explains less of the deviation than this is not the answer to why.
-constexpr double kMostOfIt = 0.5;
-
-/// The likely cause, unless it leaves most of the deviation unexplained; without any, where it arises.
+/// The likely cause, if it explains most of the deviation; else where that arises.
 std::string explainingCause(const RunReport& report) {
-  if (report.diagnosis.causes.empty()) return report.diagnosis.arises;
-  const diagnose::Cause& cause = report.diagnosis.causes.front();
-  return cause.direct || std::isnan(cause.share) || cause.share >= kMostOfIt ? cause.sentence : std::string();
+  const diagnose::Diagnosis& diagnosis = report.diagnosis;
+  const bool is_explained = !diagnosis.causes.empty() && diagnose::explainsMost(diagnosis.causes.front());
+  return is_explained ? diagnosis.causes.front().sentence : diagnosis.arises;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <pugixml.hpp>
 
 #include "hil/report/causes.h"
+#include "hil/report/diagnosis_section.h"
 #include "hil/report/headline.h"
 #include "hil/report/html_answer.h"
 #include "hil/report/html_text.h"
@@ -92,6 +93,22 @@ TEST(FailureGroups, FollowTheCauseOfTheirCause) {
   ASSERT_EQ(groups.size(), 1U);
   EXPECT_EQ(groups[0].primary->name, "pulse_timing");
   EXPECT_THAT(namesOf(groups[0].followers), ElementsAre("spot_path", "path", "stray"));
+}
+
+// One line of a program that is off explains a little as a scale, too: that must not lead.
+TEST(Headline, DoesNotLeadWithACauseThatExplainsLittle) {
+  RunReport report = reportOf(badRun());
+  report.diagnosis.arises = report.diagnosis.sentence = "No known cause explains most of it.";
+  report.diagnosis.causes = {
+      {.key = "program_scale_x", .share = 0.26, .sentence = "The program is too small."}};
+  EXPECT_EQ(headlineOf(report).cause, "No known cause explains most of it.");
+  EXPECT_THAT(diagnosisLines(report),
+              ElementsAre("No known cause explains most of it.", "A part of it: The program is too small."));
+  EXPECT_THAT(diagnosisSection(report), HasSubstr("<p>No known cause explains most of it.</p>"));
+  report.diagnosis.causes.front().share = 0.6;
+  EXPECT_EQ(headlineOf(report).cause, "The program is too small.");
+  EXPECT_THAT(diagnosisLines(report), ElementsAre("Likely cause: The program is too small."));
+  EXPECT_THAT(diagnosisSection(report), Not(HasSubstr("<p>")));
 }
 
 TEST(FailureGroups, TakeAlongWhatIsNotProvenBecauseOfAFailure) {
