@@ -65,6 +65,7 @@ bool pinStreamReplies(Bytes bytes) {
   (void)takes<std::runtime_error>([&] {
     source::ChildSourceOptions options;
     options.child = kChild.name();
+    options.image = "image.hex";  // What a child on another computer opens.
     const auto pins = source::openChild(options);
     source::Batch batch;
     Tick until = 0;
