@@ -120,7 +120,7 @@ class Runner:
 
 def shown(name):
     """A file's name as a message may have it: what a terminal would obey is replaced."""
-    return CONTROL.sub("?", os.fsencode(name).decode("utf-8", "replace"))
+    return CONTROL.sub("?", os.fsencode(name).decode("utf-8", "replace").replace("\n", "?").replace("\t", "?"))
 
 
 def faults(case, outcome, sound):

@@ -170,7 +170,7 @@ def main():
             if reader.name in used:
                 sound[reader.name] = bench.costs(reader, tempfile.mkdtemp(prefix="sound-", dir=top))
                 if sound[reader.name].code not in bounded.CODES[:4] + tuple(reader.codes):
-                    print(f"{reader.name}: its sound file ends with {sound[reader.name].ended()}: {sound[reader.name].words}")
+                    raise RuntimeError(f"{reader.name}: its sound file ends with {sound[reader.name].ended()}: {sound[reader.name].words}")
         rows = []
         for case in wanted:
             rows.append(try_one(case, bench, args.seed, top, sound))

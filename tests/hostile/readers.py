@@ -25,8 +25,11 @@ time_limit_s: 0.02
 MACHINE = f"extends: {FIXTURES}/machines/two-mirror.yaml\nname: two-mirror\n"
 CF2 = ("$BOF\nV2\nORDER\n%1:TOOL\nEND\nMAIN,DESIGN\nUM\nLL,-500,-500\nUR,500,500\nSCALE,1,1\n"
        "L,2,1,0,0,0,10,0,0,0\nL,2,1,0,10,0,10,10,0,0\nL,2,1,0,10,10,0,0,0,0\nEND\n$EOF\n")
-GRID = "".join(f"{x} {y} 0.0{x + 60} 0.01\n" for y in (-50, 0, 50) for x in (-50, 0, 50))
+GRID = "".join(f"{x} {y} 0.0{x + 90} 0.01\n" for y in (-80, 0, 80) for x in (-80, 0, 80))
 TARGET = "calibrate target --columns 12 --rows 9 --square-mm 8 --out target.svg"
+# A scan of it, as wide as the glass: less white around the squares, and less contrast than black and white have.
+SCANNED = (('width="116mm" height="92mm" viewBox="-10 -10 116 92"', 'width="85mm" height="61mm" viewBox="5.5 5.5 85 61"'),
+           ("#fff", "#e6e6e6"), ("#000", "#1e1e1e"))
 
 
 class Reader:
@@ -69,9 +72,9 @@ READERS = [
     Reader("table-grid", "kerfbench calibrate table FILE --format grid-text", "table.txt", text=True),
     Reader("nine points", "kerfbench calibrate table FILE --format nine-points", "nine.fixup", text=True),
     Reader("correction", "kerfplan check SOUND/label.dxf --correction FILE", "table.csv", text=True),
-    Reader("target", "kerfbench calibrate scanner --scan SOUND/page.png --target FILE --date 2026-11-29 --out OUT/scanner.yaml",
+    Reader("target", "kerfbench calibrate scanner --scan SOUND/page.png --dpi 300 --target FILE --date 2026-11-29 --out OUT/scanner.yaml",
            "target.yaml", text=True),
-    Reader("picture", "kerfbench calibrate scanner --scan FILE --target SOUND/target.yaml --date 2026-11-29 --out OUT/s.yaml",
+    Reader("picture", "kerfbench calibrate scanner --scan FILE --dpi 300 --target SOUND/target.yaml --date 2026-11-29 --out OUT/s.yaml",
            "page.png", text=False),
     Reader("camera", "kerfbench lint COPY/machine.yaml", "spot.camera.yaml", text=True, suffix="", where="machine"),
     Reader("image hex", "kerfbench doctor --child BIN/kerfbench-avr --image FILE --for 0.001", "controller-avr.hex", text=True),
@@ -135,7 +138,8 @@ class Bench:
         self.sound.mkdir()
 
     def tell(self, words, codes=(0,)):
-        command = [self.bin / words[0], *words[1:]]
+        ours = self.bin / words[0]
+        command = [ours if ours.exists() else words[0], *words[1:]]
         done = subprocess.run(command, cwd=self.sound, capture_output=True, text=True, check=False)
         if done.returncode not in codes:
             raise RuntimeError(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
@@ -168,7 +172,11 @@ class Bench:
         for form, name in (("csv", "table.csv"), ("c-header", "table.h"), ("cor1", "table1.cor"), ("cor2", "table2.cor")):
             self.tell(["kerfbench", "calibrate", "table", "table.txt", "--format", "grid-text", "--to", form, "--out", name, "-q"])
         self.tell(["kerfbench", *TARGET.split(), "-q"])
-        (at / "page.png").write_bytes(png(600, 400))
+        target = (at / "target.svg").read_text()
+        for printed, seen in SCANNED:
+            target = target.replace(printed, seen)
+        (at / "scanned.svg").write_text(target)
+        self.tell(["rsvg-convert", "-d", "300", "-p", "300", "scanned.svg", "-o", "page.png"])
         (at / "machine").mkdir()
         (at / "machine/machine.yaml").write_text(MACHINE + "cameras: {spot: {calibration: spot.camera.yaml}}\n")
         for folder in (at, at / "machine"):
