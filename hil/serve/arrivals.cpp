@@ -3,13 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
 #include <system_error>
 
+#include "hil/base/piece_reader.h"
 #include "hil/base/temporary.h"
 #include "hil/serve/refusal.h"
 
@@ -18,19 +19,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kPiece = 64 * 1024;
+
 bool haveTheSameBytes(const fs::path& a, const fs::path& b) {
-  std::error_code error;
-  if (fs::file_size(a, error) != fs::file_size(b, error) || error) return false;
-  std::ifstream one(a, std::ios::binary), other(b, std::ios::binary);
-  using Bytes = std::istreambuf_iterator<char>;
-  return one && other && std::equal(Bytes(one), Bytes(), Bytes(other));
+  base::PieceReader one(a, a.string()), other(b, b.string());
+  if (one.size() != other.size()) return false;
+  std::string of_one(kPiece, '\0'), of_other(kPiece, '\0');
+  while (const std::size_t bytes = one.read(of_one)) {
+    if (other.read(of_other) != bytes ||
+        std::string_view(of_one).substr(0, bytes) != std::string_view(of_other).substr(0, bytes))
+      return false;
+  }
+  return true;
 }
 
 void copyInto(const fs::path& file, const std::function<void(std::string_view)>& take) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string piece(std::size_t{1} << 16U, '\0');
-  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
-    take(std::string_view(piece).substr(0, static_cast<std::size_t>(stream.gcount())));
+  base::PieceReader reader(file, file.string());
+  base::forEachPiece(reader, reader.size(), take);
 }
 
 }  // namespace

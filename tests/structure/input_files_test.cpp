@@ -43,6 +43,7 @@ const std::map<std::string, std::set<std::string_view>>& known() {
       {"hil/base/temporary.cpp", {"O_RDONLY"}},
       {"hil/base/spill_file.cpp", {"O_RDWR"}},
       {"hil/batch/folder_lock.cpp", {"O_RDWR"}},
+      {"hil/scene/film_writer.cpp", {"O_RDONLY"}},
       {"hil/camera/v4l2/frame_recording.cpp", {"O_RDONLY"}},
       {"hil/source/analyser/zip_archive.cpp", {"zip_open"}},
       // Files that the window hands out unread: beneath its folder, its own pages, the trace of its own run.
