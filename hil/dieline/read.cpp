@@ -39,7 +39,8 @@ void checkRange(const Dieline& dieline, FaultList& faults) {
   for (const Entity& entity : dieline.entities) {
     const Eigen::AlignedBox2d box = boundsOf(entity.curve);
     const double farthest_mm = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
-    if (!(farthest_mm <= kFarthest_mm)) {
+    const bool is_number = box.min().allFinite() && box.max().allFinite();
+    if (!is_number || !(farthest_mm <= kFarthest_mm)) {
       faults.add(0, fmt::format("E{} ({}) reaches {} mm from the origin; wrong units or scale?", entity.id,
                                 entity.origin, farthest_mm));
     }
