@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -21,7 +22,7 @@ class Cf2Drawing {
 
   Dieline read() {
     dieline_.path = faults_.path();
-    const std::size_t count = countOf(file_.main, "MAIN", 0);
+    const std::size_t count = countOf(file_.main, "MAIN", 0).count;
     faults_.throwIfAny();
     dieline_.entities.reserve(count);
     place(file_.main, Eigen::Affine2d(Eigen::Scaling(file_.unit_mm)));
@@ -31,13 +32,15 @@ class Cf2Drawing {
   }
 
  private:
-  /// Entities of a block with all that it places. Each SUB is counted once, so that no file takes long.
-  std::size_t countOf(const Cf2Block& block, const std::string& name, int depth) {
-    if (depth > kDeepestNesting) {
-      faults_.fatal(block.line, fmt::format("{} is nested deeper than {}: does it hold itself?",
-                                            inQuotes(name), kDeepestNesting));
-    }
-    std::size_t count = block.curves.size() + block.copies.size();
+  /// What a block holds with all that it places.
+  struct Unfolded {
+    std::size_t count{};  ///< Entities.
+    int height{};         ///< Levels of C.
+  };
+
+  /// Each SUB is counted once, so that no file takes long; its levels count wherever it is placed.
+  Unfolded countOf(const Cf2Block& block, const std::string& name, int depth) {
+    Unfolded sum{block.curves.size() + block.copies.size(), 0};
     for (const Cf2Copy& copy : block.copies) {
       const auto sub = file_.subs.find(copy.name);
       if (sub == file_.subs.end()) {
@@ -45,12 +48,19 @@ class Cf2Drawing {
         continue;
       }
       placed_.insert(copy.name);
-      const auto known = counts_.find(copy.name);
-      count += known == counts_.end() ? countOf(sub->second, copy.name, depth + 1) : known->second;
-      if (count > kMostEntities)
+      const auto known = known_.find(copy.name);
+      if (depth + (known == known_.end() ? 0 : known->second.height) >= kDeepestNesting) {
+        faults_.fatal(copy.line, fmt::format("{} is nested deeper than {}: does it hold itself?",
+                                             inQuotes(copy.name), kDeepestNesting));
+      }
+      const Unfolded inner =
+          known == known_.end() ? countOf(sub->second, copy.name, depth + 1) : known->second;
+      sum.count += inner.count;
+      sum.height = std::max(sum.height, 1 + inner.height);
+      if (sum.count > kMostEntities)
         faults_.fatal(copy.line, fmt::format("more than {} entities", kMostEntities));
     }
-    return counts_[name] = count;
+    return known_[name] = sum;
   }
 
   void place(const Cf2Block& block, const Eigen::Affine2d& X) {
@@ -113,7 +123,7 @@ class Cf2Drawing {
   const LayerProfile& profile_;
   FaultList& faults_;
   Dieline dieline_;
-  std::map<std::string, std::size_t> counts_;
+  std::map<std::string, Unfolded> known_;
   std::set<std::string> placed_;
   std::map<int, std::optional<Process>> processes_;  // Rules are looked up once for each type.
   std::size_t bridges_{};
