@@ -9,8 +9,9 @@
 namespace kerfbench::trace {
 namespace {
 
-// A chunk of ours holds about a megabyte. A file that claims more than this for one was made to take memory.
-constexpr std::uint64_t kMostChunk_bytes = std::uint64_t{1} << 30U;
+// A chunk of ours holds about a megabyte. A file that claims more than this for one was made to take memory,
+// which is taken before the first byte of it is unpacked.
+constexpr std::uint64_t kMostChunk_bytes = std::uint64_t{256} << 20U;
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -191,16 +192,23 @@ TEST_F(McapFile, OnlyWhatBeginsAsMcapIsRead) {
   EXPECT_THROW(McapReader(temp_.path() / "none"), std::system_error);
 }
 
-// A chunk that claims a terabyte must not take it.
+// A chunk that claims a terabyte, or half a gigabyte, must not take it.
 TEST_F(McapFile, AChunkThatClaimsTooMuchIsRefusedBeforeItTakesMemory) {
-  McapBytes out;
-  out.u64(0);
-  out.u64(0);
-  out.u64(1ULL << 40U);
-  out.u32(0);
-  out.text("zstd");
-  out.u64(0);
-  EXPECT_THROW(chunkRecords(out.bytes()), McapError);
+  for (const std::uint64_t size : {1ULL << 29U, 1ULL << 40U}) {
+    McapBytes out;
+    out.u64(0);
+    out.u64(0);
+    out.u64(size);
+    out.u32(0);
+    out.text("zstd");
+    out.u64(0);
+    try {
+      chunkRecords(out.bytes());
+      ADD_FAILURE() << size;
+    } catch (const McapError& refused) {
+      EXPECT_EQ(std::string(refused.what()), fmt::format("a chunk of {} bytes", size));
+    }
+  }
 }
 
 TEST_F(McapFile, ADiskThatIsNotThereIsToldWithItsPath) {
