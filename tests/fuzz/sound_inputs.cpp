@@ -11,6 +11,7 @@
 #include "hil/source/vcd.h"
 #include "hil/trace/trace_file.h"
 #include "tests/fuzz/targets.h"
+#include "tests/hil/dieline/pdf_writer.h"
 #include "tests/hil/source/vcd_sample.h"
 #include "twin/base/image.h"
 
@@ -76,6 +77,27 @@ std::string replies() {
   return message(65, hello) + message(67, batch);
 }
 
+/// A page with a layer, a form, an ink, a matrix and a dash: what the reader of PDF asks for.
+std::string pdfBytes() {
+  dieline::PdfPage page;
+  page.resources =
+      "/XObject << /F 5 0 R >> /Properties << /L 6 0 R >> /ColorSpace << /I [/Separation /Cut /DeviceRGB 7 0 "
+      "R] >> /ExtGState << /G << /CA .5 >> >>";
+  page.catalogue = "/OCProperties << /OCGs [6 0 R] /D << /ON [6 0 R] >> >>";
+  page.objects = {dieline::pdfForm("1 0 0 RG 10 10 m 36 36 l S"), "<< /Type /OCG /Name (Cut) >>",
+                  "<< /FunctionType 2 /Domain [0 1] /C0 [1 1 1] /C1 [1 0 0] /N 1 >>"};
+  return dieline::pdfPage(
+      "q 1 0 0 1 9 9 cm 1 0 0 RG 72 72 m 144 72 l 144 72 180 108 216 72 c h S Q "
+      "/OC /L BDC /G gs 9 9 72 36 re W n 1 0 0 RG 10 10 m 20 20 l S /F Do EMC",
+      page);
+}
+
+/// Lines, an arc and a SUB that is placed twice.
+constexpr const char* kCf2 =
+    "$BOF\r\nV2\r\nORDER\r\nEND\r\nMAIN,A\r\nUM\r\nLL,0,0\r\nUR,99,99\r\nSCALE,1,1\r\n"
+    "L,2,1,0,0,0,10,5,1,1\r\nA,2,2,0,0,0,10,0,5,0,1,0,0\r\nT,0,0\r\nwords\r\nC,B,5,5,90,1,1\r\n"
+    "C,B,0,0,0,-1,1\r\nEND\r\nSUB,B\r\nL,3,2,0,1,1,2,2,0,0\r\nEND\r\n$EOF\r\n";
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> soundInputs() {
@@ -88,6 +110,8 @@ std::vector<std::pair<std::string, std::string>> soundInputs() {
   return {
       {"drawing_dxf", contentOf(root / "fixtures/dielines/label-60x40.dxf")},
       {"drawing_svg", contentOf(root / "fixtures/dielines/label-60x40.svg")},
+      {"drawing_pdf", pdfBytes()},
+      {"drawing_cf2", kCf2},
       {"scenario", contentOf(root / "fixtures/scenarios/label-on-belt.yaml")},
       {"recording_vcd", recordingAs("sound.vcd")},
       {"recording_sr", recordingAs("sound.sr")},
