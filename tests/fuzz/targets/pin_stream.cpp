@@ -2,10 +2,12 @@
 #include "hil/source/pin_stream.h"
 
 #include <arpa/inet.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -34,8 +36,12 @@ class TalkingChild {
     return "tcp:127.0.0.1:" + std::to_string(ntohs(address_.sin_port));
   }
 
-  /// Answers one connection. The end of what it says is the end of the child.
-  void answer(Bytes said) const {
+  /// Answers one connection, if one comes before it is over. The end of what it says is the end of the child.
+  void answer(Bytes said, const std::atomic<bool>& is_over) const {
+    constexpr int kLook_ms = 20;
+    for (pollfd asked{listening_.get(), POLLIN, 0}; ::poll(&asked, 1, kLook_ms) <= 0;) {
+      if (is_over) return;
+    }
     const base::UniqueFd bench(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC));
     for (std::size_t done = 0; done < said.size();) {
       const ssize_t sent = ::send(bench.get(), said.data() + done, said.size() - done, MSG_NOSIGNAL);
@@ -61,11 +67,13 @@ bool pinStreamReplies(Bytes bytes) {
   constexpr Tick kQuantum = 8000;
   constexpr int kMostQuanta = 32;
   bool has_talked = false;
-  std::thread child([&] { kChild.answer(bytes); });
+  std::atomic<bool> is_over{false};
+  std::thread child([&] { kChild.answer(bytes, is_over); });
   (void)takes<std::runtime_error>([&] {
     source::ChildSourceOptions options;
     options.child = kChild.name();
     options.image = "image.hex";  // What a child on another computer opens.
+    options.image = asFile("image", std::string_view());  // Its digest is taken.
     const auto pins = source::openChild(options);
     source::Batch batch;
     Tick until = 0;
@@ -75,6 +83,7 @@ bool pinStreamReplies(Bytes bytes) {
       has_talked = true;
     }
   });
+  is_over = true;
   child.join();
   return has_talked;
 }
