@@ -13,7 +13,7 @@ MIB = 1 << 20
 MOST_CPU_S = 1.0            # Beside what a sound file takes.
 MOST_MEMORY = 256 * MIB
 MOST_WORDS = 64 * 1024      # Bytes on the terminal.
-STOP_CPU_S, STOP_WALL_S, STOP_MEMORY = 20, 60, 6 << 30
+STOP_CPU_S, STOP_WALL_S, STOP_MEMORY = 20, 900, 6 << 30  # The time on the clock is that of a computer with much else to do.
 STOP_ASLEEP_S = 30        # So long a child may think (20 s), and the bench wait for it.
 CODES = (0, 1, 3, 4, 64, 65)
 REFUSALS = (2, 64, 65)
@@ -127,7 +127,7 @@ def faults(case, outcome, sound):
     """What is wrong with the way in which a hostile file was taken; empty: nothing."""
     wrong = []
     if outcome.hung:
-        wrong.append(f"does not end within {STOP_WALL_S} s")
+        wrong.append(f"does not end: {STOP_CPU_S} s of processor, or {STOP_ASLEEP_S} s asleep")
     elif outcome.code < 0:
         wrong.append(f"ended by {outcome.ended()}")
     elif outcome.code not in CODES + tuple(case.codes):

@@ -36,9 +36,10 @@ class Reader:
     """A command that is given a file. `command`: words, in which FILE stands for the file, SOUND for the folder of sound files
     and OUT for a folder that is made for each case."""
 
-    def __init__(self, name, command, sound, *, text, suffix=None, where=None, codes=()):
+    def __init__(self, name, command, sound, *, text, suffix=None, where=None, codes=(), any_size=False):
         self.name, self.command, self.sound, self.is_text, self.codes = name, command, sound, text, codes
         self.suffix = pathlib.Path(sound).suffix if suffix is None else suffix
+        self.any_size = any_size  # It goes through a file in pieces, or takes its sum, whatever its size (decision 088).
         self.where = where  # Path within a copy of this folder where the file lies, if a folder is what is read.
 
 
@@ -57,14 +58,16 @@ READERS = [
     Reader("material", "kerfplan power --material FILE --laser SOUND/laser.yaml --depth 0.2 --spot-diameter 0.2", "material.yaml",
            text=True),
     Reader("edited", "kerfbench edit FILE --set belt.speed_mm_s=30", "sound.yaml", text=True),
-    Reader("vcd", "kerfbench motion FILE --scenario SOUND/sound.yaml -q --out OUT/motion", "pins.vcd", text=True),
+    Reader("vcd", "kerfbench motion FILE --scenario SOUND/sound.yaml -q --out OUT/motion", "pins.vcd", text=True,
+           any_size=True),
     Reader("sr", "kerfbench motion FILE --scenario SOUND/sound.yaml -q --out OUT/motion", "pins.sr", text=False),
     Reader("trace", "kerfbench trace info FILE", "run.mcap", text=False),
     Reader("trace part", "kerfbench trace recover FILE --out OUT/whole.mcap", "run.mcap", text=False),
     Reader("diagnosis", "kerfbench diagnose FILE", "diagnosis-evidence.json", text=True),
-    Reader("results list", "kerfbench verify COPY -q", "kerfbench-results.txt", text=True, suffix="", where="results"),
+    Reader("results list", "kerfbench verify COPY -q", "kerfbench-results.txt", text=True, suffix="", where="results",
+           any_size=True),
     Reader("verdict", "kerfbench compare SOUND/results COPY -q --out OUT/compare", "verdict.json", text=True, suffix="",
-           where="results"),
+           where="results", any_size=True),
     Reader("table-csv", "kerfbench calibrate table FILE", "table.csv", text=True),
     Reader("table-header", "kerfbench calibrate table FILE", "table.h", text=True),
     Reader("table-cor1", "kerfbench calibrate table FILE", "table1.cor", text=False),
