@@ -138,7 +138,8 @@ def plan_cases():
     campaign = f"version: 1\nname: hostile\nbase: {FIXTURES}/scenarios/native/label-on-belt.yaml\nfactors:\n"
     factor = "  - {name: a, key: belt.speed_mm_s, values: [30]}\n"
     return [
-        Case("suite", "pattern of /", writes(suite + "  - scenario: /*/*/*/*/*.yaml\n"), group="amplification", honest=(5.0, 256 * MIB)),
+        Case("suite", "pattern of /", writes(suite + "  - scenario: /*/*/*/*/*.yaml\n"), group="amplification",
+             honest=(20.0, 256 * MIB)),
         Case("suite", "10^5 seeds", writes(suite + f"  - scenario: {FIXTURES}/scenarios/native/button.yaml\n    seeds: [" +
              ", ".join(map(str, range(100_000))) + "]\n"), group="entities", honest=(5.0, 256 * MIB)),
         Case("suite", "pattern of 10^4 stars", writes(suite + f"  - scenario: {FIXTURES}/scenarios/{'*' * 10_000}x.yaml\n"),
