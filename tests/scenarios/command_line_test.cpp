@@ -70,7 +70,9 @@ TEST(CommandLine, OfKerfplanTakesGcodeFromStandardInput) {
   const ProgramRun piped = program("kerfplan", "gcode " + drawing + " | " + kerfplan + " check -");
   EXPECT_EQ(piped.exit_code, 0) << piped.output;
   EXPECT_THAT(piped.output, HasSubstr("marks / jumps   210.557 mm"));
-  EXPECT_EQ(program("kerfplan", "check - </dev/null").exit_code, 65);
+  const ProgramRun empty = program("kerfplan", "check - </dev/null");
+  EXPECT_EQ(empty.exit_code, 65);
+  EXPECT_THAT(empty.output, HasSubstr("standard input: G-code: it holds no line or arc"));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 
 #include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/order/kerf.h"
@@ -71,6 +72,18 @@ std::string gcodeOf(const KerfplanOptions& options) {
       base::toTerminal(stderr, note + "\n");
   }
   return gcode;
+}
+
+std::string withFile(const KerfplanOptions& options, const std::string& sentences) {
+  if (options.input.empty() || !options.hasGcode()) return sentences;
+  const std::string name = options.input == kStandardInput ? "standard input" : options.input;
+  std::string named;
+  std::istringstream stream(sentences);
+  for (std::string line; std::getline(stream, line);) {
+    if (!named.empty()) named += '\n';
+    named += line.starts_with("G-code") ? name + ": " + line : line;
+  }
+  return named;
 }
 
 }  // namespace kerfbench::planner

@@ -21,4 +21,7 @@ dieline::Dieline chosenOf(const KerfplanOptions& options);
 /// PlanError.
 std::string gcodeOf(const KerfplanOptions& options);
 
+/// Sentences of the planner with the file's name before each that is about the G-code that was given.
+std::string withFile(const KerfplanOptions& options, const std::string& sentences);
+
 }  // namespace kerfbench::planner

@@ -50,7 +50,7 @@ constexpr int kBroken = 2;
 int check(const KerfplanOptions& options, const std::string& gcode) {
   const CheckResult checked = checkJob(gcode, options.machine, options.job, options.faults);
   for (const std::string& warning : checked.warnings) base::toTerminal(stderr, "warning: " + warning + "\n");
-  for (const std::string& error : checked.errors) base::toTerminal(stderr, error + "\n");
+  for (const std::string& error : checked.errors) base::toTerminal(stderr, withFile(options, error) + "\n");
   if (!checked.errors.empty()) return kBadInput;
   const Plan plan = planFromChecked(checked, gcode, options.machine, options.job, options.faults);
   base::toTerminal(stdout, summaryOf(options.input.empty() ? options.scenario : options.input, checked, plan,
@@ -157,18 +157,8 @@ void writeProgram(const KerfplanOptions& options, const std::string& gcode) {
               programText(planFromGcode(gcode, options.machine, options.job, options.faults).program));
 }
 
-/// Runs the commands; returns the exit code.
-int run(const Commands& commands, const StripCommands& strip, KerfplanOptions& options) {
-  if (!options.image.empty()) options.machine.target = targetOfImage(options.image);
-  if (strip.run()) return 0;
-  if (!options.correction.empty())
-    options.machine.correction = std::make_shared<CorrectionTable>(CorrectionTable::read(options.correction));
-  if (auto power = powerModelOf(options.power)) options.job.power = std::move(power);
-  if (commands.order->parsed()) {
-    if (options.hasGcode()) throw PlanError(nameOf(options) + ": an order is chosen for a drawing");
-    base::toTerminal(stdout, orderTable(chosenOf(options), options.machine, options.job));
-    return 0;
-  }
+/// Runs a command that takes the G-code of a unit; returns the exit code.
+int runWithText(const Commands& commands, const KerfplanOptions& options) {
   const std::string text = gcodeOf(options);
   if (commands.gcode->parsed()) {
     writeOutput(options.output, text);
@@ -183,6 +173,25 @@ int run(const Commands& commands, const StripCommands& strip, KerfplanOptions& o
     return check(options, text);
   }
   return 0;
+}
+
+/// Runs the commands; returns the exit code.
+int run(const Commands& commands, const StripCommands& strip, KerfplanOptions& options) {
+  if (!options.image.empty()) options.machine.target = targetOfImage(options.image);
+  if (strip.run()) return 0;
+  if (!options.correction.empty())
+    options.machine.correction = std::make_shared<CorrectionTable>(CorrectionTable::read(options.correction));
+  if (auto power = powerModelOf(options.power)) options.job.power = std::move(power);
+  if (commands.order->parsed()) {
+    if (options.hasGcode()) throw PlanError(nameOf(options) + ": an order is chosen for a drawing");
+    base::toTerminal(stdout, orderTable(chosenOf(options), options.machine, options.job));
+    return 0;
+  }
+  try {
+    return runWithText(commands, options);
+  } catch (const PlanError& error) {
+    throw PlanError(withFile(options, error.what()));
+  }
 }
 
 /// Lets the program that has the bench's readers take this process over with the same command line.
