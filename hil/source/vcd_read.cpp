@@ -84,10 +84,14 @@ class Reader {
   }
 
   void header() {
-    for (;;) {
+    for (bool begun = false;;) {
       const auto keyword = text_.word();
       if (keyword.empty()) giveUp("no $enddefinitions: not a VCD file, or a truncated one");
+      // Words of a file that is no recording at all are nobody's business.
+      if (keyword.front() != '$' && !begun)
+        giveUp("begins with no section of a header: it is no VCD recording");
       if (keyword.front() != '$') giveUp("a VCD header was expected, not " + base::inQuotes(keyword));
+      begun = true;
       const auto section = this->section(keyword);
       const std::string_view name = section.whole.substr(0, keyword.size());
       if (name == "$enddefinitions") break;

@@ -78,6 +78,13 @@ const std::vector<RowForm>& rowForms() {
   return forms;
 }
 
+/// True for what a line of a contour can begin with.
+bool beginsAsRow(const std::string& word) {
+  const auto& forms = rowForms();
+  return numberOf(word) ||
+         std::any_of(forms.begin(), forms.end(), [&](const RowForm& form) { return form.word == word; });
+}
+
 /// Parses a line's words; returns what is wrong with them.
 std::string parseRow(std::vector<std::string> words, Row& row) {
   const RowForm* form = &rowForms().front();
@@ -252,6 +259,12 @@ SpaceContour readSpaceContour(const std::string& text, const std::string& name, 
     const std::vector<std::string> words = wordsOf(line);
     if (words.empty()) continue;
     const std::string what = parseRow(words, row);
+    // Words of a file that is no contour at all are nobody's business.
+    if (rows.empty() && faults.empty() && !beginsAsRow(words.front())) {
+      throw CompensationError(
+          fmt::format("{}: line {}: begins with neither a number nor a word of a contour: it is no contour",
+                      name, number));
+    }
     what.empty() ? rows.push_back(std::move(row)) : fault(number, what);
   }
   ContourBuilder builder(chord_error_mm);

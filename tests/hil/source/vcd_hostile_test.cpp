@@ -10,6 +10,7 @@ namespace kerfbench::source {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kWires =
     "$var wire 1 ! galvo_x_pul $end\n$var wire 1 \" galvo_x_dir $end\n$var wire 1 # galvo_y_pul $end\n"
@@ -43,6 +44,10 @@ TEST_P(HostileVcd, IsRefused) {
   EXPECT_THAT(refusal(put("hostile.vcd", GetParam().content)), HasSubstr(GetParam().words));
 }
 
+TEST_F(VcdTest, NoWordOfAForeignFileIsShown) {
+  EXPECT_THAT(refusal(put("shadow.vcd", "root:secret:19000:0\n")), Not(HasSubstr("secret")));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Corpus, HostileVcd,
     ::testing::Values(
@@ -51,8 +56,10 @@ INSTANTIATE_TEST_SUITE_P(
                std::string("\x7f"
                            "ELF\0\0\1",
                            7),
-               "header was expected"},
-        BadVcd{"no_header", "#0\n1!\n#10\n", ":1: a VCD header"},
+               "it is no VCD recording"},
+        BadVcd{"no_header", "#0\n1!\n#10\n", ":1: begins with no section of a header"},
+        BadVcd{"half_a_header", "$timescale 1 ns $end\nwords\n",
+               ":2: a VCD header was expected, not 'words'"},
         BadVcd{"no_timescale", std::string(kWires) + "$enddefinitions $end\n#0\n", "no $timescale"},
         BadVcd{"bad_timescale",
                "$timescale 7 lightyears $end\n" + std::string(kWires) + "$enddefinitions $end\n#0\n",

@@ -229,7 +229,7 @@ TEST(SpaceCurve, WhatIsNoArcOrTooTightIsRefusedByItsLine) {
   EXPECT_THAT(faultOf("spline 0 0 0 0 0 1\nspline 1 0 0 0 0 1\n"), HasSubstr("three points in a row"));
   EXPECT_THAT(faultOf("spline 0 0 0 0 0 1\nspline 0 0 0 0 0 1\nspline 1 0 0 0 0 1\n"),
               HasSubstr("at one place"));
-  EXPECT_THAT(faultOf("curve 0 0 0\n"), HasSubstr("'curve' is no number"));
+  EXPECT_THAT(faultOf(begin + "curve 0 0 0\n"), HasSubstr("'curve' is no number"));
   // A half circle of 0.5 mm with the beam inside, 0.6 mm off: one fault for all of its chords.
   const std::string tight = faultOf(begin + "centre" + face.place(0.5, 0) + "180\n" + face.row(1, 0), 0.6);
   EXPECT_THAT(tight, HasSubstr("tighter than the radius"));

@@ -38,6 +38,11 @@ TEST(SpaceFile, FaultsAreListedWithTheirLines) {
   EXPECT_THAT(faultsIn(""), HasSubstr("needs two points"));
 }
 
+TEST(SpaceFile, NoWordOfAForeignFileIsShown) {
+  EXPECT_EQ(faultsIn("# a list\nroot:secret:19000:0\nsecret\n"),
+            "box.xyz: line 2: begins with neither a number nor a word of a contour: it is no contour");
+}
+
 TEST(Poses, TurnTheHeadsAxisToTheSurfaceNormal) {
   std::vector<SpacePoint> path;
   for (int i = 0; i < 100; ++i) {
