@@ -16,6 +16,8 @@ inline constexpr std::size_t kMostEntities = 1'000'000;
 inline constexpr std::size_t kMostElements = 2'000'000;
 /// Most attributes of an SVG's elements.
 inline constexpr std::size_t kMostAttributes = 10'000'000;
+/// Most attributes of one element of an SVG: programs that draw write some dozens.
+inline constexpr std::size_t kMostOfElement = 1000;
 /// Lines no longer than this are none, mm.
 inline constexpr double kNothing_mm = 1e-9;
 inline constexpr int kDeepestNesting = 16;  ///< Most levels of INSERT in INSERT, and of use in use.

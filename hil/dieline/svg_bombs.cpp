@@ -31,6 +31,7 @@ class SvgCounter {
       sum.count += inner.count;
       sum.height = std::max(sum.height, inner.height);
     };
+    refuseManyAttributes(node);
     const std::string_view name = svgName(node);
     if (name == "use") add(countUse(node, depth));
     for (const pugi::xml_node& child : node.children()) {
@@ -44,6 +45,16 @@ class SvgCounter {
   }
 
  private:
+  /// A `use` has them looked through each time.
+  void refuseManyAttributes(const pugi::xml_node& node) const {
+    std::size_t attributes = 0;
+    for (pugi::xml_attribute at = node.first_attribute(); at && attributes <= kMostOfElement;
+         at = at.next_attribute())
+      ++attributes;
+    if (attributes > kMostOfElement)
+      faults_.fatal(line_of_(node), fmt::format("an element of more than {} attributes", kMostOfElement));
+  }
+
   SvgUnfolded countUse(const pugi::xml_node& use, int depth) {
     const pugi::xml_node target = svgUsed(use, ids_);
     if (!target) return {};

@@ -103,6 +103,9 @@ TEST(HostileLimits, Svg) {
       {"3 million elements", ".svg", svg(times(3'000'000, "<g/>")), "more than 2000000 elements"},
       {"11 million attributes", ".svg", svg("<g " + times(11'000'000, "a='' ") + "/>"),
        "more than 10000000 attributes"},
+      {"2000 uses of what has 1001 attributes", ".svg",
+       svg("<defs><g id='a' " + times(1001, "x='1' ") + "/></defs>" + times(2000, "<use href='#a'/>")),
+       "an element of more than 1000 attributes"},
       {"10^6 elements that are none", ".svg", svg(times(1'000'000, "<q/>") + "<q"), "is not well-formed"},
   });
 }
