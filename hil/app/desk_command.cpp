@@ -137,6 +137,16 @@ desk::KeyEdit settingFrom(const std::string& words) {
   return {desk::keyPathFrom(words.substr(0, at)), yamlValue(words.substr(at + 1))};
 }
 
+/// The text with its keys changed; what is wrong with it is said with the file's name.
+std::string editedFile(const fs::path& file, const std::string& text,
+                       const std::vector<desk::KeyEdit>& edits) {
+  try {
+    return desk::edited(text, edits);
+  } catch (const base::InputError& error) {
+    throw base::InputError(fmt::format("{}: {}", file.string(), error.what()));
+  }
+}
+
 }  // namespace
 
 int planCommand(const PlanOptions& options) {
@@ -192,7 +202,7 @@ int editCommand(const EditOptions& options) {
     for (const std::string& words : options.set) edits.push_back(settingFrom(words));
     for (const std::string& key : options.remove) edits.push_back({desk::keyPathFrom(key), nullptr});
     const std::string text = textOfFile(options.scenario);
-    const std::string changed = desk::edited(text, edits);
+    const std::string changed = editedFile(options.scenario, text, edits);
     if (changed != text) base::writeFileAtomically(options.scenario, changed);
     return 0;
   });

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <system_error>
 
 #include "hil/base/atomic_file.h"
@@ -38,6 +39,14 @@ int guardedMain(const std::function<int()>& work) {
   } catch (const base::FolderError& e) {
     base::toTerminal(stderr, fmt::format("kerfbench: {}\n", e.what()));
     return base::kExitInput;
+  } catch (const std::filesystem::filesystem_error& e) {
+    // Only a name that was given can be too long, or lead in a circle.
+    const bool is_name =
+        e.code() == std::errc::too_many_symbolic_link_levels || e.code() == std::errc::filename_too_long;
+    base::toTerminal(stderr, is_name
+                                 ? fmt::format("kerfbench: {}: {}\n", e.path1().string(), e.code().message())
+                                 : fmt::format("kerfbench: the bench itself broke: {}\n", e.what()));
+    return is_name ? base::kExitInput : base::kExitBroken;
   } catch (const std::exception& e) {
     base::toTerminal(stderr, fmt::format("kerfbench: the bench itself broke: {}\n", e.what()));
     return base::kExitBroken;

@@ -60,7 +60,8 @@ std::filesystem::path binDir();
 std::filesystem::path usualResults();
 
 /// What main() of a program does: the work, whose exit code it returns. If the bench itself breaks (any
-/// exception) that is told on standard error: base::kExitBroken.
+/// exception) that is told on standard error: base::kExitBroken. A name that is too long, or a loop of links,
+/// is the user's: base::kExitInput.
 int guardedMain(const std::function<int()>& work);
 
 }  // namespace kerfbench::cli

@@ -79,6 +79,32 @@ TEST_F(BadInput, MalformedFilesAre65) {
   expectNothingWritten();
 }
 
+TEST_F(BadInput, AMessageNamesItsFile) {
+  const auto gcode = file("bad.nc", "G00 X0 Y0\nG01 X\n");
+  for (const char* command : {"check '{}'", "preview '{}' -o -", "program '{}' -o -"}) {
+    const ProgramRun run = program("kerfplan", fmt::format(fmt::runtime(command), gcode.string()));
+    EXPECT_EQ(run.exit_code, 65) << command;
+    EXPECT_THAT(run.output, HasSubstr(gcode.string() + ": G-code line 2: X has no number")) << command;
+  }
+  const auto list = file("list.yaml", "- a\n- b\n");
+  const ProgramRun edited = kerfbench(fmt::format("edit '{}' --set belt.speed_mm_s=30", list.string()));
+  EXPECT_EQ(edited.exit_code, 65);
+  EXPECT_THAT(edited.output, HasSubstr(list.string() + ": "));
+}
+
+TEST_F(BadInput, ALoopOfLinksIsNoTrace) {
+  const auto loop = scratch_.path() / "loop.mcap";
+  std::filesystem::create_symlink(loop.filename(), loop);
+  EXPECT_EQ(kerfbench(fmt::format("trace info '{}'", loop.string())).exit_code, 65);
+  EXPECT_EQ(kerfbench(fmt::format("trace recover '{}' --out '{}/whole.mcap'", loop.string(),
+                                  scratch_.path().string()))
+                .exit_code,
+            65);
+  const std::string lint =
+      fmt::format("lint {} --image '{}'", fixture("scenarios/native/button.yaml").string(), loop.string());
+  EXPECT_EQ(kerfbench(lint).exit_code, 65);
+}
+
 TEST_F(BadInput, AJobLargerThanTheFieldIs65) {
   const auto result = run(scenario("dieline: " + fixture("dielines/strip-crosscut.dxf").string() + "\n"));
   EXPECT_EQ(result.exit_code, 65);
