@@ -101,3 +101,38 @@ test('earlier runs are those of the scenario, as many as one looks at', () => {
   assert.match(whenWords('2026-11-28T16:05:12Z'), /^2026-11-2\d \d\d:\d\d$/);
   assert.equal(whenWords('?'), '?');
 });
+
+const bad = (name, verdict, along_with = '') => ({ name, verdict, along_with, title: `Title of ${name}` });
+
+test('one fault is one entry: what it brings along is folded under it, also by way of another', () => {
+  const judged = {
+    checks: [
+      bad('depth', 'NOT PROVEN'),
+      bad('joints', 'FAIL', 'path'),
+      bad('stray', 'INVALID', 'joints'),
+      bad('path', 'FAIL'),
+      bad('finish', 'PASS'),
+      bad('belt', 'FAIL', 'finish'),
+    ],
+  };
+  assert.deepEqual(
+    R.groupedChecks(judged).map(({ check, along }) => [check.name, along.map((c) => c.name).join(' ')]),
+    [
+      ['path', 'joints stray'],
+      ['belt', ''],
+      ['depth', ''],
+    ],
+  );
+  const circle = { checks: [bad('a', 'FAIL', 'b'), bad('b', 'FAIL', 'a')] };
+  assert.equal(R.groupedChecks(circle).length, 2, 'nothing is lost');
+  assert.deepEqual(R.groupedChecks(null), []);
+});
+
+test('sentences have the titles of checks, and words of the language stay', () => {
+  const judged = { checks: [bad('stray', 'PASS'), bad('stillness_peak', 'FAIL')], not_judged: [bad('belt', '')] };
+  assert.equal(
+    R.withTitles('  PASS       stray          0.1 mm\nThe belt ran; stillness_peak failed, as other_name did.', judged),
+    '  PASS       Title of stray          0.1 mm\nThe belt ran; Title of stillness_peak failed, as other_name did.',
+  );
+  assert.equal(R.withTitles('PASS stray', null), 'PASS stray');
+});

@@ -148,6 +148,50 @@ export function badChecks(judged) {
     .sort((/** @type {any} */ a, /** @type {any} */ b) => of(a) - of(b));
 }
 
+/**
+ * The same, each with what it brings along (`along_with` of verdict.json): one fault is one entry. What is brought along by a check
+ * that is not among them stands for itself.
+ * @param {any} judged verdict.json @returns {{ check: any, along: any[] }[]}
+ */
+export function groupedChecks(judged) {
+  const bad = badChecks(judged);
+  const byName = new Map(bad.map((/** @type {any} */ c) => [c.name, c]));
+  const leaderOf = (/** @type {any} */ check) => {
+    const seen = new Set([check]);
+    let at = check;
+    for (let next = byName.get(at.along_with); next && !seen.has(next); next = byName.get(at.along_with)) {
+      seen.add(next);
+      at = next;
+    }
+    // A circle has no beginning: then nothing is folded away.
+    return byName.has(at.along_with) ? check : at;
+  };
+  const leads = new Map(bad.map((/** @type {any} */ c) => [c, leaderOf(c)]));
+  return bad
+    .filter((/** @type {any} */ c) => leads.get(c) === c)
+    .map((/** @type {any} */ check) => ({
+      check,
+      along: bad.filter((/** @type {any} */ c) => c !== check && leads.get(c) === check),
+    }));
+}
+
+/**
+ * A text of the bench with the titles of checks in place of their names: "PASS stray" becomes "PASS Nothing is burnt beside the dieline".
+ * Names that are words of the language are replaced only after a verdict, where they can be nothing else.
+ * @param {string} text @param {any} judged verdict.json
+ */
+export function withTitles(text, judged) {
+  const titles = new Map(
+    [...(judged?.checks ?? []), ...(judged?.not_judged ?? [])].map((/** @type {any} */ c) => [c.name, c.title]),
+  );
+  if (titles.size === 0) return text;
+  const of = (/** @type {string} */ whole, /** @type {string} */ before, /** @type {string} */ name) =>
+    titles.has(name) ? `${before}${titles.get(name)}` : whole;
+  return text
+    .replace(/^(\s*(?:PASS|FAIL|INVALID|NOT PROVEN|-)[ \t]+)([a-z][a-z_]*)\b/gm, of)
+    .replace(/()\b([a-z]+(?:_[a-z]+)+)\b/g, of);
+}
+
 /** The run's end in a sentence, where there is no verdict.json. @param {Run} run */
 export function endWords(run) {
   if (run.state === 'stopped')

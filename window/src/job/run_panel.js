@@ -8,7 +8,10 @@ import { resultPath } from './actions.js';
 import { checkChosen } from './links.js';
 import * as R from './run.js';
 import * as S from './state.js';
+import { findingChosen, itemsOf } from './stage/findings.js';
 
+/** Lines of G-code that are told beside the verdict. */
+const kMostByHand = 3;
 const kKinds = ['pass', 'fail', 'unproven', 'invalid'];
 
 /** @param {Element} element @param {import('./page.js').Store} store @param {import('./actions.js').Actions} actions */
@@ -19,8 +22,9 @@ export function mountRun(element, store, actions) {
   const words = h('p', { class: 'words' });
   const bar = h('progress', { max: 1, 'aria-label': 'Progress of the run' });
   const links = h('div', { class: 'links' });
+  const notes = h('ul', { class: 'by-hand', id: 'by-hand', 'aria-label': 'G-code by hand', hidden: true });
   const checks = h('ul', { class: 'checks' });
-  const log = h('pre', { tabindex: 0 });
+  const log = h('pre', { tabindex: 0, 'aria-label': 'What the bench says' });
   const lines = h('details', {}, h('summary', {}, 'What the bench says'), log);
   const box = h(
     'section',
@@ -28,11 +32,13 @@ export function mountRun(element, store, actions) {
     verdict,
     h('div', {}, earlier, words, bar),
     links,
+    notes,
     checks,
     lines,
   );
   element.append(spoken, box);
   markEarlier(box, earlier, store);
+  tellByHand(notes, store);
   watch(
     store,
     (s) => [s.run],
@@ -44,7 +50,7 @@ export function mountRun(element, store, actions) {
       for (const name of kKinds) box.classList.toggle(name, !going && name === kind);
       say(verdict, going ? '' : (run.verdict ?? (run.state === 'stopped' ? 'Stopped' : 'No verdict')));
       verdict.hidden = going;
-      const summary = run.judged?.summary ?? R.endWords(run);
+      const summary = R.withTitles(run.judged?.summary ?? R.endWords(run), run.judged);
       say(words, going ? R.progressWords(run) : summary || `${run.verdict}.`);
       bar.hidden = !going;
       if (run.share === null) bar.removeAttribute('value');
@@ -56,17 +62,50 @@ export function mountRun(element, store, actions) {
           : `${run.verdict ?? (run.state === 'stopped' ? 'Stopped' : 'No verdict')}. ${summary}`,
       );
       fill(links, linksOf(run, store, actions));
-      const bad = going ? [] : R.badChecks(run.judged);
+      const bad = going ? [] : R.groupedChecks(run.judged);
       checks.hidden = bad.length === 0 && !(run.judged?.problems?.length > 0);
       fill(
         checks,
         (going ? [] : (run.judged?.problems ?? [])).map((/** @type {any} */ p) =>
-          h('li', {}, h('span', {}, typeof p === 'string' ? p : (p.text ?? p.message ?? ''))),
+          h('li', {}, h('span', {}, R.withTitles(typeof p === 'string' ? p : (p.text ?? p.message ?? ''), run.judged))),
         ),
-        bad.map((/** @type {any} */ check) => checkRow(check, run, store)),
+        bad.map(({ check, along }) => checkRow(check, run, store, along)),
       );
       lines.hidden = run.log.length === 0;
-      say(log, run.log.join('\n'));
+      say(log, R.withTitles(run.log.join('\n'), run.judged));
+    },
+  );
+}
+
+/**
+ * What is not as drawn in G-code by hand, above the checks of a run that failed: as a rule it is the reason.
+ * @param {any} list @param {import('./page.js').Store} store
+ */
+function tellByHand(list, store) {
+  watch(
+    store,
+    (s) => [s.run, s.job, s.plan, s.check.value],
+    (s) => {
+      const { run } = s;
+      const failed = run && !S.isGoing(run) && run.verdict !== null && run.verdict !== 'PASS';
+      const items = failed && S.isByHand(s) && !S.isOfEarlierJob(s) ? itemsOf(s).filter((i) => i.line !== null) : [];
+      list.hidden = items.length === 0;
+      fill(
+        list,
+        items.slice(0, kMostByHand).map((item) =>
+          h(
+            'li',
+            {},
+            h(
+              'button',
+              { title: 'Show the line and its place', on: { click: () => store.update((now) => findingChosen(now, item)) } },
+              h('b', {}, `${item.place}: `),
+              h('span', {}, item.message),
+            ),
+          ),
+        ),
+        items.length > kMostByHand && h('li', {}, `${items.length - kMostByHand} more are listed below the drawing.`),
+      );
     },
   );
 }
@@ -89,9 +128,10 @@ function markEarlier(box, earlier, store) {
 /**
  * A check that is not good. Where its worst value has a place, a click on its title leads there in drawing and G-code; where it has a
  * time, a link leads there in the trace.
- * @param {any} check of verdict.json @param {S.Run} run @param {import('./page.js').Store} store
+ * What it brings along is folded below it.
+ * @param {any} check of verdict.json @param {S.Run} run @param {import('./page.js').Store} store @param {any[]} [along]
  */
-function checkRow(check, run, store) {
+function checkRow(check, run, store, along = []) {
   const title = `${check.verdict === 'FAIL' ? '' : `${check.verdict}: `}${check.title}${check.subject ? ` (${check.subject})` : ''}`;
   const where = R.placeOf(check);
   const name = where
@@ -114,10 +154,17 @@ function checkRow(check, run, store) {
     h(
       'p',
       {},
-      check.explanation,
+      R.withTitles(check.explanation ?? '', run.judged),
       run.trace &&
         typeof at_s === 'number' && [' ', h('a', { href: traceHref(run, at_s) }, `Trace at ${at_s.toFixed(4)} s`)],
     ),
+    along.length > 0 &&
+      h(
+        'details',
+        { class: 'along' },
+        h('summary', {}, along.length === 1 ? 'Brings one more check along' : `Brings ${along.length} more checks along`),
+        h('ul', {}, along.map((each) => checkRow(each, run, store))),
+      ),
   );
 }
 

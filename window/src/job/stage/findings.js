@@ -91,6 +91,13 @@ export function itemsOf(s) {
   return [...drawn, ...ofFile(s), ...ofJob(s), ...planned].map((item, i) => ({ ...item, number: i + 1 }));
 }
 
+/** A finding was chosen: its line or its entities, and the place itself in the drawing. @param {S.State} s @param {Item} item @returns {S.State} */
+export function findingChosen(s, item) {
+  const next =
+    item.line !== null ? lineChosen({ ...s, line: null }, item.line) : entitiesChosen(s, item.entities);
+  return { ...next, finding: item.number, stage: { ...next.stage, show: 'drawing', place: item.where } };
+}
+
 /** @param {number} count @param {string} one @param {string} several */
 const counted = (count, one, several) => (count === 0 ? '' : `${count} ${count === 1 ? one : several}`);
 

@@ -73,13 +73,8 @@ export function framesOf(check, motion, period) {
   };
 }
 
-/** What is to be seen when all is shown: drawing and marks, and the field where it does not make these too small. @param {Frames} frames @returns {Box | null} */
-export function wholeOf({ sheet, field }) {
-  if (!sheet || !field) return sheet ?? field;
-  const all = /** @type {Box} */ (unionOf(sheet, field));
-  const share = Math.max((sheet.x1 - sheet.x0) / (all.x1 - all.x0), (sheet.y1 - sheet.y0) / (all.y1 - all.y0));
-  return share >= 0.4 ? all : sheet;
-}
+/** What is to be seen when all is shown: the sheet with drawing and marks; the field only where there is no sheet. @param {Frames} frames @returns {Box | null} */
+export const wholeOf = ({ sheet, field }) => sheet ?? field;
 
 const inBox = (/** @type {Box} */ inner, /** @type {Box} */ outer) =>
   inner.x0 >= outer.x0 && inner.x1 <= outer.x1 && inner.y0 >= outer.y0 && inner.y1 <= outer.y1;
