@@ -44,12 +44,17 @@ test('a station says what to do, and shows the other bench', async () => {
 test('a scanned number starts a run, and the verdict says what becomes of the part', async () => {
   await page.choose('#station-scenario', scenario);
   await page.click('#station-serial');
+  await page.key('Enter');
+  await page.untilText('#station-ask', 'Enter or scan the serial number first');
+  assert.equal(await page.run("async () => (await (await fetch('/api/runs')).json()).runs.length"), 0, 'nothing was started');
   await page.type('<K>-0007');
   await page.key('Enter');
   await page.untilText('.station-current h2', '<K>-0007');
+  await page.untilText('#station-queue', 'waits in a queue');
   await page.screenshot(join(shots, 'station-running.png'));
   await page.untilText('.station-tested', 'PASS');
-  await page.untilText('.station-step', 'PASS: number <K>-0007 may go on');
+  await page.untilText('.station-step.pass', 'PASS: number <K>-0007 may go on');
+  await page.untilText('.station-tested .when', /^\d\d:\d\d$/);
   assert.equal(await page.run("() => document.querySelector('#station-serial').value"), '', 'ready for the next one');
   await page.screenshot(join(shots, 'station-passed.png'));
   const report = await page.run("() => document.querySelector('.station-tested a').getAttribute('href')");

@@ -2,7 +2,20 @@
 // What a station says of its runs.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { classOf, currentOf, firstScenario, leftWords, nextStep, outcomeOf, overOf, rateWords } from '../src/station/words.js';
+import {
+  classOf,
+  currentOf,
+  firstScenario,
+  leftWords,
+  nextStep,
+  outcomeOf,
+  overOf,
+  queueWords,
+  rateWords,
+  stationName,
+  testedOf,
+  timeWords,
+} from '../src/station/words.js';
 
 const run = (state, more = {}) => ({
   id: '1',
@@ -50,4 +63,31 @@ test('the scenario of the last run comes first, as long as it is there', () => {
   assert.equal(firstScenario(scenarios, [run('ended')]), 'a.yaml');
   assert.equal(firstScenario(scenarios, [run('ended', { scenario: 'gone.yaml' })]), 'b.yaml');
   assert.equal(firstScenario([], []), '');
+});
+
+test('runs of scenarios are not taken for tested units', () => {
+  const runs = [run('ended', { id: '3' }), run('ended', { id: '2', serial_number: 'K-7' }), run('ended', { id: '1' })];
+  assert.deepEqual(
+    testedOf(runs, new Set(['1'])).map(({ id }) => id),
+    ['2', '1'],
+  );
+});
+
+test('a run tells when it was, a run without results does not', () => {
+  const at = new Date(Date.UTC(2026, 10, 29, 12, 5, 9));
+  const results = 'results/label/20261129T120509Z-0123abcd';
+  const clock = timeWords(run('ended', { results }), at);
+  assert.match(clock, /^\d\d:05$/);
+  assert.match(timeWords(run('ended', { results }), new Date(Date.UTC(2026, 11, 9))), /^2026-11-\d\d \d\d:05$/);
+  assert.equal(timeWords(run('stopped'), at), '');
+});
+
+test('whoever starts while a run goes on is told of the queue', () => {
+  assert.match(queueWords(run('running')), /queue/);
+  assert.equal(queueWords(undefined), '');
+});
+
+test('a station is called by its folder', () => {
+  assert.equal(stationName({ name: 'vm', folder: 'line-3' }), 'line-3');
+  assert.equal(stationName({ name: 'vm', folder: '' }), 'vm');
 });

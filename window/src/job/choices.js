@@ -25,13 +25,13 @@ export function swatch(process) {
 const { baseName } = S;
 
 /**
- * A select by groups: one's own files, then the shipped ones. A value that no list has is shown as it is.
+ * A select by groups: one's own files, then the examples. A value that no list has is shown as it is.
  * @param {HTMLSelectElement} select @param {{ value: string, text: string, shipped: boolean }[]} options @param {string} value @param {string} [hint]
  */
 function fillSelect(select, options, value, hint = '') {
   const option = (/** @type {any} */ o) => h('option', { value: o.value }, o.text);
   const own = options.filter((o) => !o.shipped);
-  const isFaulty = (/** @type {any} */ o) => baseName(o.value).startsWith('fault-');
+  const isFaulty = (/** @type {any} */ o) => /\/faults\/|\/fault-[^/]*$/.test(o.value);
   const shipped = options.filter((o) => o.shipped && !isFaulty(o));
   const faulty = options.filter((o) => o.shipped && isFaulty(o));
   const known = options.some((o) => o.value === value);
@@ -39,9 +39,9 @@ function fillSelect(select, options, value, hint = '') {
     select,
     hint && h('option', { value: '' }, hint),
     !known && value !== '' && h('option', { value }, value),
-    own.length > 0 && h('optgroup', { label: 'In this folder' }, own.map(option)),
-    shipped.length > 0 && h('optgroup', { label: 'Shipped with Kerfbench' }, shipped.map(option)),
-    faulty.length > 0 && h('optgroup', { label: 'Shipped, with a known fault' }, faulty.map(option)),
+    own.length > 0 && h('optgroup', { label: 'Yours, in this folder' }, own.map(option)),
+    shipped.length > 0 && h('optgroup', { label: 'Examples, shipped with Kerfbench' }, shipped.map(option)),
+    faulty.length > 0 && h('optgroup', { label: 'Examples with a known fault' }, faulty.map(option)),
   );
   select.value = value;
 }

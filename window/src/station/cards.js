@@ -2,7 +2,7 @@
 // Parts of the station's page: a run, its pins, what was tested, a bench.
 // @ts-check
 import { h } from '../shared/dom.js';
-import { classOf, currentOf, leftWords, nextStep, outcomeOf, overOf, rateWords } from './words.js';
+import { classOf, currentOf, leftWords, nextStep, outcomeOf, overOf, rateWords, timeWords } from './words.js';
 
 /** @typedef {import('./words.js').Run} Run */
 /** @typedef {import('./words.js').Bench} Bench */
@@ -69,16 +69,16 @@ export function currentCard(run, stop) {
   );
 }
 
-/** What was tested, the newest first. @param {Run[]} runs @param {boolean} is_own whose reports this page can open */
-export const testedTable = (runs, is_own) =>
+/** What was tested, the newest first. @param {Run[]} runs @param {boolean} is_own whose reports this page can open @param {string} [caption] */
+export const testedTable = (runs, is_own, caption = 'Tested') =>
   h(
     'table',
     { class: 'station-tested' },
-    h('caption', {}, 'Tested'),
+    h('caption', {}, caption),
     h(
       'thead',
       {},
-      h('tr', {}, ['serial number', 'scenario', 'result', ''].map((title) => h('th', { scope: 'col' }, title))),
+      h('tr', {}, ['time', 'serial number', 'scenario', 'result', 'report'].map((title) => h('th', { scope: 'col' }, title))),
     ),
     h(
       'tbody',
@@ -88,7 +88,8 @@ export const testedTable = (runs, is_own) =>
         return h(
           'tr',
           {},
-          h('th', { scope: 'row' }, run.serial_number || '—'),
+          h('td', { class: 'when' }, timeWords(run, new Date())),
+          h('th', { scope: 'row' }, run.serial_number || 'without'),
           h('td', {}, nameOf(run)),
           h('td', {}, h('span', { class: `outcome ${classOf(outcome)}` }, outcome), run.problem && ` ${run.problem}`),
           h('td', {}, is_own && run.report && h('a', { href: run.report, target: '_blank', rel: 'noopener' }, 'Report')),
@@ -105,7 +106,7 @@ export function benchCard(bench) {
   return h(
     'section',
     { class: `station-bench${bench.problem ? ' away' : ''}` },
-    h('h2', {}, bench.name ?? bench.address, bench.folder && h('span', { class: 'mute' }, bench.folder)),
+    h('h2', {}, bench.folder || bench.name || bench.address, bench.name && h('span', { class: 'mute' }, `on ${bench.name}`)),
     bench.address && h('p', {}, h('a', { href: bench.address, target: '_blank', rel: 'noopener' }, bench.address)),
     bench.problem
       ? h('p', { class: 'fault' }, bench.problem)

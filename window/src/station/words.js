@@ -4,7 +4,7 @@
 
 /** A run as GET /api/runs/ID has it.
  * @typedef {{ id: string, scenario: string, name?: string, state: string, serial_number: string, verdict?: string, report?: string,
- *   trace?: string, problem?: string, exit_code?: number, progress: { what: string, share?: number, left_s?: number, now_s?: number },
+ *   trace?: string, results?: string, problem?: string, exit_code?: number, progress: { what: string, share?: number, left_s?: number, now_s?: number },
  *   live: { operator?: string, problems: string[], pins?: Pins } }} Run */
 /** @typedef {{ now_s: number, signals: string[], edges: number[], edges_per_s: number[], levels: number[], worst_lag_us: number }} Pins */
 /** @typedef {{ address?: string, name?: string, version?: string, folder?: string, problem?: string, runs?: Run[] }} Bench */
@@ -15,6 +15,32 @@ export const currentOf = (runs) =>
 
 /** Those that are over, the newest first. @param {Run[]} runs */
 export const overOf = (runs) => runs.filter(({ state }) => state === 'ended' || state === 'stopped');
+
+/**
+ * Units that were tested here: runs with a serial number, and those that a station was asked to start without one. All others are
+ * runs of scenarios, from the page Job or another one. @param {Run[]} runs @param {ReadonlySet<string>} without ids of the latter
+ */
+export const testedOf = (runs, without) => runs.filter(({ id, serial_number }) => serial_number !== '' || without.has(id));
+
+/** When a run was judged, in the time of whoever looks: "14:05", with the day where it is another one. The name of the results has it.
+ * @param {Run} run @param {Date} now @returns {string} empty: it has no results */
+export function timeWords({ results = '' }, now) {
+  const found = /(?:^|\/)(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(\d\d)Z-[^/]*\/?$/.exec(results);
+  if (!found) return '';
+  const [year, month, day, hour, minute, second] = found.slice(1).map(Number);
+  const at = new Date(Date.UTC(year, month - 1, day, hour, minute, second));
+  const two = (/** @type {number} */ n) => String(n).padStart(2, '0');
+  const clock = `${two(at.getHours())}:${two(at.getMinutes())}`;
+  const date = `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;
+  return at.toDateString() === now.toDateString() ? clock : `${date} ${clock}`;
+}
+
+/** What pressing Start does while a run goes on, in a sentence; empty: it starts at once. @param {Run | undefined} current */
+export const queueWords = (current) =>
+  current ? 'A run goes on: the next one waits in a queue and starts when the ones before it have ended.' : '';
+
+/** What a station is called: the folder that it serves, and the computer if that says something. @param {{ name?: string, folder?: string }} bench */
+export const stationName = ({ name = '', folder = '' }) => folder || name || 'This bench';
 
 /** What stands for the outcome of a run. @param {Run} run @returns {string} */
 export function outcomeOf(run) {
