@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import test from 'node:test';
+import { beginCommand, freeFolder, groupsOf } from '../src/service/begin.js';
 import { bySheet, calibrationWords, holdsWords, kindOf, ownCalibrations, progressOf, sheetWords } from '../src/service/steps.js';
 
 const step = (id, sheet, state) => ({ id, sheet, state, title: id, text: [], files: [], found: [], wrong: [] });
@@ -56,4 +57,23 @@ test('a calibration says what it is made of, and the folder which cameras and sc
     'glass.yaml: scanner glass-1 of 2026-11-21',
     'target.yaml: target',
   ]);
+});
+
+test('a calibration is begun by a command that a shell takes, in a folder that is free', () => {
+  assert.equal(
+    beginCommand('my machine.yaml', 'results/head', '/usr/share/kerfbench'),
+    "kerfbench calibrate head --by-hand --machine 'my machine.yaml' --results-dir results/head",
+  );
+  assert.match(beginCommand('shipped/machines/a.yaml', 'results/head', '/opt/k/'), /--machine \/opt\/k\/machines\/a\.yaml /);
+  assert.equal(freeFolder([]), 'results/head');
+  assert.equal(freeFolder([{ path: 'results/head' }, { path: 'head-2' }]), 'results/head-3');
+});
+
+test('own machines come before the shipped ones', () => {
+  const machines = [{ path: 'shipped/machines/a.yaml' }, { path: 'mine.yaml' }];
+  assert.deepEqual(
+    groupsOf(machines).map(({ machines: of }) => of[0].path),
+    ['mine.yaml', 'shipped/machines/a.yaml'],
+  );
+  assert.deepEqual(groupsOf([]), []);
 });

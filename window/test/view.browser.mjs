@@ -275,7 +275,7 @@ test('the trace of a run that was killed is dropped into the page, and opens up 
   run.kill('SIGKILL');
   await ended;
   await open('/view');
-  await page.untilText('.tv-offer', 'Drop a trace here');
+  await page.untilText('.tv-offer', 'drop a trace here');
   await page.drop('.tv-offer', [part]);
   await page.untilText('.viewer-title', 'cut off');
   const { extent } = await now();

@@ -4,6 +4,7 @@
 // @ts-check
 import { getJson } from '../shared/api.js';
 import { fill, h } from '../shared/dom.js';
+import { beginSection } from './begin.js';
 import { bySheet, calibrationWords, holdsWords, kindOf, ownCalibrations, progressOf, sheetWords } from './steps.js';
 
 /** @typedef {import('./steps.js').Steps} Steps */
@@ -88,7 +89,11 @@ async function look() {
 
 /** Which calibrations the folder has, and what they are made of. */
 async function list() {
-  const { service = [], service_files: files = [] } = await getJson('/api/files');
+  const [{ service = [], service_files: files = [], machines = [] }, session] = await Promise.all([
+    getJson('/api/files'),
+    getJson('/api/session'),
+  ]);
+  const begin = beginSection({ machines, service, session });
   const own = ownCalibrations(files);
   const calibrations =
     own.length > 0
@@ -111,13 +116,9 @@ async function list() {
         }),
       ),
       calibrations,
+      begin,
     );
-  else
-    tell(
-      'Nothing is calibrated or checked by hand in this folder yet. This begins one; run it again after each step:',
-      h('pre', { tabindex: 0 }, 'kerfbench calibrate head --by-hand --machine MACHINE.yaml --results-dir results/head'),
-      calibrations,
-    );
+  else tell('Nothing is calibrated or checked by hand in this folder yet.', begin, calibrations);
 }
 
 await (folder ? look() : list());

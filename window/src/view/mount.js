@@ -19,7 +19,7 @@ import { Viewer } from './viewer.js';
  */
 export async function mountViewer(element, { trace, name, t_s }) {
   performance.mark('kerfbench-trace-asked');
-  fill(element, h('p', { class: 'tv-opening', role: 'status' }, 'Opening the trace …'));
+  fill(element, h('div', { class: 'tv-opening', role: 'status' }, h('p', {}, 'Opening the trace …'), h('progress', { 'aria-label': 'Opening the trace' })));
   const opened = await Trace.open(readableOf(trace));
   const title = name ?? (typeof trace === 'string' ? trace : '');
   const viewer = new Viewer(element, opened, { t_s, name: title });
