@@ -93,3 +93,18 @@ test('a scale bar is 1, 2 or 5 times a power of ten, and fits', () => {
     assert.ok(['1', '2', '5'].includes(mm.toExponential()[0]));
   }
 });
+
+test('marks on one place stand side by side, and others stay where they are', () => {
+  const at = G.apart([[10, 10], [10, 10], [12, 14], [200, 10]], 21);
+  assert.deepEqual(at[0], [10, 10]);
+  assert.deepEqual(at[3], [200, 10]);
+  for (const [i, [x, y]] of at.entries())
+    for (const [ox, oy] of at.slice(0, i)) assert.ok(Math.abs(x - ox) >= 21 || Math.abs(y - oy) >= 21, `${at}`);
+});
+
+test('a label takes the first place that covers nothing', () => {
+  const size = { w: 40, h: 16 };
+  const mark = { x: 0, y: 0, w: 10, h: 10 };
+  assert.deepEqual(G.freePlace(size, [[5, 5], [20, 20]], [mark]), { x: 20, y: 20, ...size });
+  assert.deepEqual(G.freePlace(size, [[5, 5]], [mark]), { x: 5, y: 5, ...size }, 'rather over something than not at all');
+});

@@ -6,13 +6,15 @@ import { watch } from '../../shared/store.js';
 import { entitiesChosen, lineChosen } from '../links.js';
 import * as S from '../state.js';
 import { frameWords, framesOf, misplaced, tooLarge } from './frames.js';
-import { toScreen } from './geometry.js';
+import { apart, toScreen } from './geometry.js';
 import { motionOf } from './painter.js';
 
 /** @typedef {{ number: number, severity: string, message: string, where: [number, number] | null, entities: number[], line: number | null, place: string }} Item */
 
 /** Rows of the list. Who has more than these begins with them. */
 const kMostRows = 300;
+/** Room of a numbered mark, with what is between two. */
+const kPin_px = 21;
 
 /** Where a warning of the drawing's reader is: "label.svg, line 12". @param {any} issue */
 const placeInFile = (issue) => `${S.baseName(issue.file)}${issue.line > 0 ? `, line ${issue.line}` : ''}`;
@@ -182,6 +184,10 @@ export function mountFindings(element, pins, { store, actions, toPlace, painter 
   let items = [];
   const placePins = () => {
     const shown = items.slice(0, kMostRows).filter((i) => i.where);
+    const places = apart(
+      shown.map((i) => toScreen(painter.view(), /** @type {[number, number]} */ (i.where))),
+      kPin_px,
+    );
     keyed(
       pins,
       shown,
@@ -197,8 +203,8 @@ export function mountFindings(element, pins, { store, actions, toPlace, painter 
           },
           item.number,
         ),
-      (pin, item) => {
-        const [x, y] = toScreen(painter.view(), /** @type {[number, number]} */ (item.where));
+      (pin, item, index) => {
+        const [x, y] = places[index];
         const { width, height } = painter.size();
         pin.style.left = `${x}px`;
         pin.style.top = `${y}px`;

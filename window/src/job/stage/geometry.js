@@ -176,3 +176,42 @@ export function scaleBar(view, most_px) {
   const mm = [5, 2, 1].map((k) => k * power).find((length) => length <= most_mm) ?? power;
   return { mm, px: mm * view.scale };
 }
+
+/** @typedef {{ x: number, y: number, w: number, h: number }} Rect on the screen */
+
+/** @param {Rect} a @param {Rect} b */
+const overlap = (a, b) => a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
+
+/**
+ * The first place of some at which a label lies over nothing; the first of all if there is none.
+ * @param {{ w: number, h: number }} size @param {[number, number][]} candidates upper left corners @param {Rect[]} taken @returns {Rect}
+ */
+export function freePlace({ w, h }, candidates, taken) {
+  const rects = candidates.map(([x, y]) => ({ x, y, w, h }));
+  return rects.find((rect) => !taken.some((other) => overlap(rect, other))) ?? rects[0];
+}
+
+/**
+ * Places at which marks of one size do not hide each other: one that would lie on an earlier one moves to its right.
+ * @param {[number, number][]} places @param {number} size @returns {[number, number][]}
+ */
+export function apart(places, size) {
+  /** @type {Map<string, [number, number][]>} */
+  const cells = new Map();
+  const cell = (/** @type {number} */ v) => Math.floor(v / size);
+  /** @param {number} x @param {number} y */
+  const near = (x, y) => {
+    for (let i = cell(x) - 1; i <= cell(x) + 1; ++i)
+      for (let j = cell(y) - 1; j <= cell(y) + 1; ++j)
+        for (const [ox, oy] of cells.get(`${i} ${j}`) ?? [])
+          if (Math.abs(ox - x) < size && Math.abs(oy - y) < size) return ox;
+    return null;
+  };
+  return places.map(([x, y]) => {
+    let at = x;
+    for (let other = near(at, y); other !== null; other = near(at, y)) at = other + size;
+    const key = `${cell(at)} ${cell(y)}`;
+    cells.set(key, [...(cells.get(key) ?? []), [at, y]]);
+    return [at, y];
+  });
+}

@@ -35,9 +35,10 @@ export function mountMiddle(element, store, actions) {
   const pins = h('div');
   const legend = h('div', { class: 'legend' });
   const readout = h('div', { class: 'readout', id: 'readout', hidden: true });
-  const stage = h('div', { class: 'stage' }, canvas, keys, spoken, pins, legend, readout);
+  const stage = h('div', { class: 'stage' }, canvas, keys, spoken, pins, readout);
   const painter = createPainter(canvas, store.get, hand);
-  element.append(toolBar(store, painter), stage);
+  // Below the drawing, not over it.
+  element.append(toolBar(store, painter), stage, legend);
   takeHands(canvas, store, painter, hand, (words) => say(spoken, words));
   mountEmpty(stage, store, actions);
   mountMachine(stage, store);
@@ -89,8 +90,12 @@ export function mountMiddle(element, store, actions) {
   );
   watch(
     store,
-    (s) => [s.check.value, s.plan.value?.preview, s.stage.colour, s.stage.frames],
-    (s) => fill(legend, legendOf(s)),
+    (s) => [s.check.value, s.plan.value?.preview, s.stage.colour, s.stage.frames, s.stage.show, s.job === null],
+    (s) => {
+      const parts = s.job === null || s.stage.show !== 'drawing' ? [] : legendOf(s).filter(Boolean);
+      legend.hidden = parts.length === 0;
+      fill(legend, parts);
+    },
   );
   watch(
     store,

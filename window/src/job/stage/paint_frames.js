@@ -1,24 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paints what lies around the drawing (frames.js).
 // @ts-check
-import { toScreen } from './geometry.js';
+import { freePlace, toScreen } from './geometry.js';
 
 /** @typedef {import('./geometry.js').View} View */
 
 const kArrow_px = 46;
 const kFont = '600 12px system-ui, "DejaVu Sans", sans-serif';
 
-/** A word on a ground of its own, so that lines below it do not strike it through.
- * @param {CanvasRenderingContext2D} g @param {Record<string, string>} colours @param {string} text @param {number} x @param {number} y @param {string} ink */
-function word(g, colours, text, x, y, ink) {
+const kWord_px = 16;
+
+/**
+ * A word on a ground of its own, so that lines below it do not strike it through, at the first of some places where it covers nothing.
+ * @param {CanvasRenderingContext2D} g @param {Record<string, string>} colours
+ * @param {{ text: string, ink: string, at: (w: number) => [number, number][] }} word `at`: upper left corners for its width
+ * @param {import('./geometry.js').Rect[]} taken what is not to be covered; the word is added
+ */
+function word(g, colours, { text, ink, at }, taken) {
   g.font = kFont;
   g.textAlign = 'left';
   g.textBaseline = 'middle';
-  const w = g.measureText(text).width;
+  const w = g.measureText(text).width + 4;
+  const place = freePlace({ w, h: kWord_px }, at(w), taken);
+  taken.push(place);
   g.fillStyle = colours.stage;
-  g.fillRect(x - 2, y - 8, w + 4, 16);
+  g.fillRect(place.x, place.y, w, kWord_px);
   g.fillStyle = ink;
-  g.fillText(text, x, y + 0.5);
+  g.fillText(text, place.x + 2, place.y + kWord_px / 2 + 0.5);
+}
+
+/** What labels are not to lie on: print marks, axes, the beam at rest. @param {View} view @param {import('./frames.js').Frames} frames @returns {import('./geometry.js').Rect[]} */
+function takenBy(view, { marks, rest }) {
+  const around = (/** @type {[number, number]} */ at_mm, /** @type {number} */ r) => {
+    const [x, y] = toScreen(view, at_mm);
+    return { x: x - r, y: y - r, w: 2 * r, h: 2 * r };
+  };
+  const [x, y] = toScreen(view, [0, 0]);
+  return [
+    ...marks.map(({ x_mm, y_mm, diameter_mm }) => around([x_mm, y_mm], Math.max(2.5, (view.scale * diameter_mm) / 2) + 2)),
+    { x: x - 6, y: y - kArrow_px, w: 12, h: kArrow_px + 6 },
+    { x: x - 6, y: y - 6, w: kArrow_px + 6, h: 12 },
+    ...(rest ? [around(rest, 12)] : []),
+  ];
 }
 
 /** @param {CanvasRenderingContext2D} g @param {View} view @param {import('./geometry.js').Box} box */
@@ -50,7 +73,16 @@ export function paintSheetAndMarks(g, view, colours, { sheet, marks }) {
 
 /** Above it: axes of the sheet, the beam at rest, and the names of the frames. @param {CanvasRenderingContext2D} g @param {View} view
  * @param {Record<string, string>} colours @param {import('./frames.js').Frames} frames */
-export function paintAxes(g, view, colours, { sheet, field, rest }) {
+export function paintAxes(g, view, colours, frames) {
+  const { sheet, field, rest } = frames;
+  const taken = takenBy(view, frames);
+  const [x, y] = toScreen(view, [0, 0]);
+  g.strokeStyle = g.fillStyle = colours.fg;
+  g.lineWidth = 1.6;
+  arrow(g, x, y, kArrow_px, 0);
+  arrow(g, x, y, 0, -kArrow_px);
+  word(g, colours, { text: 'x', ink: colours.fg, at: () => [[x + kArrow_px + 5, y - 8]] }, taken);
+  word(g, colours, { text: 'y', ink: colours.fg, at: () => [[x - 6, y - kArrow_px - 18]] }, taken);
   if (field) {
     const at = boxPath(g, view, field);
     g.strokeStyle = colours.jump;
@@ -58,31 +90,41 @@ export function paintAxes(g, view, colours, { sheet, field, rest }) {
     g.setLineDash([8, 4]);
     g.stroke();
     g.setLineDash([]);
-    word(g, colours, 'field', Math.max(at.x + 6, 6), Math.max(at.y, 0) + 12, colours.acc);
+    const [left, top] = [Math.max(at.x + 6, 6), Math.max(at.y, 0) + 4];
+    word(g, colours, { text: 'field', ink: colours.acc, at: () => [[left, top], [left, top + 20], [left + 60, top]] }, taken);
   }
   if (sheet) {
-    const [x, y] = toScreen(view, [sheet.x0, sheet.y0]);
-    word(g, colours, 'sheet', Math.max(x + 6, 6), y - 11, colours.mute);
+    const [x0, y0] = toScreen(view, [sheet.x0, sheet.y1]);
+    const [x1, y1] = toScreen(view, [sheet.x1, sheet.y0]);
+    // Outside of its edges, where nothing is drawn.
+    const at = (/** @type {number} */ w) =>
+      /** @type {[number, number][]} */ ([[x0, y0 - 18], [x1 - w, y0 - 18], [x0, y1 + 2], [x1 - w, y1 + 2]]);
+    word(g, colours, { text: 'sheet', ink: colours.mute, at }, taken);
   }
-  const [x, y] = toScreen(view, [0, 0]);
-  g.strokeStyle = g.fillStyle = colours.fg;
-  g.lineWidth = 1.6;
-  arrow(g, x, y, kArrow_px, 0);
-  arrow(g, x, y, 0, -kArrow_px);
-  word(g, colours, 'x', x + kArrow_px + 7, y, colours.fg);
-  word(g, colours, 'y', x - 4, y - kArrow_px - 10, colours.fg);
-  if (!rest) return;
-  const [rx, ry] = toScreen(view, rest);
+  if (rest) paintRest(g, colours, toScreen(view, rest), taken);
+}
+
+/** @param {CanvasRenderingContext2D} g @param {Record<string, string>} colours @param {[number, number]} at @param {import('./geometry.js').Rect[]} taken */
+function paintRest(g, colours, [x, y], taken) {
   g.strokeStyle = colours.acc;
   g.lineWidth = 1.6;
   g.beginPath();
-  g.arc(rx, ry, 6, 0, 2 * Math.PI);
-  g.moveTo(rx - 11, ry);
-  g.lineTo(rx + 11, ry);
-  g.moveTo(rx, ry - 11);
-  g.lineTo(rx, ry + 11);
+  g.arc(x, y, 6, 0, 2 * Math.PI);
+  g.moveTo(x - 11, y);
+  g.lineTo(x + 11, y);
+  g.moveTo(x, y - 11);
+  g.lineTo(x, y + 11);
   g.stroke();
-  word(g, colours, 'beam at rest: x_W = 0', rx + 14, ry + 14, colours.acc);
+  const at = (/** @type {number} */ w) =>
+    /** @type {[number, number][]} */ ([
+      [x + 14, y + 6],
+      [x - 14 - w, y + 6],
+      [x + 14, y - 22],
+      [x - 14 - w, y - 22],
+      [x - w / 2, y + 30],
+      [x - w / 2, y - 46],
+    ]);
+  word(g, colours, { text: 'beam at rest: x_W = 0', ink: colours.acc, at }, taken);
 }
 
 /** @param {CanvasRenderingContext2D} g @param {number} x @param {number} y @param {number} dx @param {number} dy */
