@@ -35,7 +35,8 @@ struct Cause {
 struct Diagnosis {
   std::vector<Cause> causes;
   double deviation_mm{kUnknown};  ///< RMS of the deviation that is to be explained.
-  /// Sentence of the first cause if it explainsMost(); else where the deviation arises; empty: nothing to say.
+  /// Sentence of the first cause if it explainsMost(); else where the deviation arises; empty: nothing to
+  /// say.
   std::string sentence;
   /// Where nearly all of the deviation arises, and what to look at there, if no cause explainsMost(); or
   /// empty.
