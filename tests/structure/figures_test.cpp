@@ -80,7 +80,6 @@ const std::map<std::string, std::size_t>& linesOfPages() {
       {"docs/reference/papers.md", 1},
       {"tests/campaigns/RESULTS.md", 1},
       {"tests/ends/RESULTS.md", 1},
-      {"tests/hostile/RESULTS.md", 1},
       {"tests/limits/RESULTS.md", 1},
       {"tests/mutation/RESULTS.md", 1},
       {"tests/mutation/RESULTS_SAMPLED.md", 1},
