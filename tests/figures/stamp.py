@@ -58,8 +58,6 @@ PAGES = {
     "papers": Page("docs/reference/papers.md", "./bench papers",
                    "firmware_under_test/planner tests/papers tests/papers/rows.toml"),
     "ends": Page("tests/ends/RESULTS.md", "./bench ends", "hil/base hil/cli hil/judge hil/scene hil/source tests/ends"),
-    "hostile": Page("tests/hostile/RESULTS.md", "./bench hostile",
-                    "hil/base hil/calibrate/tables hil/cli hil/dieline hil/source hil/trace tests/hostile"),
     "campaigns": Page("tests/campaigns/RESULTS.md", "./bench campaign-proof", "hil/batch hil/campaign tests/campaigns"),
     "mutate": Page("tests/mutation/RESULTS.md", "./bench mutate",
                    "hil/inspect hil/vision tests/hil/inspect tests/hil/vision tests/mutation/mutants.toml"),

@@ -43,6 +43,9 @@ MENDED = {
 }
 YAML_READERS = ("scenario", "machine", "fold", "suite", "campaign", "material", "edited")
 
+# What decides the page of figures.
+SOURCES = "hil/base hil/calibrate/tables hil/cli hil/dieline hil/source hil/trace tests/hostile"
+
 
 def all_cases(bench):
     made = []
@@ -147,8 +150,11 @@ def why_open(row):
 
 
 def page(rows, sound, seed):
-    made_with = subprocess.run([sys.executable, "-B", str(ROOT / "tests/figures/stamp.py"), "--line", "hostile", f"seed {seed}"],
-                               capture_output=True, text=True, check=True).stdout.strip()
+    sys.path.insert(0, str(ROOT / "tests/figures"))
+    import stamp
+    # In stamp.PAGES from the first page on: its test asks for the page.
+    stamp.PAGES.setdefault("hostile", stamp.Page("tests/hostile/RESULTS.md", "./bench hostile", SOURCES))
+    made_with = stamp.line_of("hostile", f"seed {seed}")
     table = "\n".join(row.cells() for row in rows)
     commands = "\n".join(f"| {reader.name} | `{reader.command}` | {sound[reader.name].cpu_s:.2f} | {sound[reader.name].memory >> 20} |"
                          for reader in readers.READERS)
