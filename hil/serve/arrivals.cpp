@@ -19,12 +19,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kPiece = 64 * 1024;
+constexpr std::size_t kCompared = 64 * 1024;
 
 bool haveTheSameBytes(const fs::path& a, const fs::path& b) {
   base::PieceReader one(a, a.string()), other(b, b.string());
   if (one.size() != other.size()) return false;
-  std::string of_one(kPiece, '\0'), of_other(kPiece, '\0');
+  std::string of_one(kCompared, '\0'), of_other(kCompared, '\0');
   while (const std::size_t bytes = one.read(of_one)) {
     if (other.read(of_other) != bytes ||
         std::string_view(of_one).substr(0, bytes) != std::string_view(of_other).substr(0, bytes))
