@@ -201,7 +201,7 @@ TEST(HostileCf2, BlocksThatHoldThemselvesOrUnfoldWithoutBoundEnd) {
     mains += fmt::format("C,S{},0,0,0,1,1\n", i);
     chain += fmt::format("SUB,S{}\nC,S{},0,0,0,1,1\nEND\n", i, i - 1);
   }
-  EXPECT_THAT(cf2Faults(mains, chain), HasSubstr("'S17' is nested deeper than 16"));
+  EXPECT_THAT(cf2Faults(mains, chain), HasSubstr("'S15' is nested deeper than 16"));
   std::string deep;
   for (int i = 0; i < 14; ++i) deep += fmt::format("SUB,S{}\nC,S{},0,0,0,1e6,1e6\nEND\n", i, i + 1);
   EXPECT_THAT(cf2Faults("C,S0,0,0,0,1,1\n", deep + "SUB,S14\nL,2,1,0,0,0,1,1\nEND\n"),
