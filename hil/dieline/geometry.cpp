@@ -46,7 +46,7 @@ Jet jetOf(const BezierCurve& bezier, double u) {
 void raiseMaximum(const Homogeneous& h, int axis, double sign, int depth, double& best) {
   const auto value = [&](int i) { return sign * h(axis, i) / h(2, i); };
   best = std::max({best, value(0), value(3)});
-  // Of numbers that are none neither is above anything: they would be halved without end.
+  // Numbers that are none are above nothing: they would be halved without end.
   if (depth == 0 || !(value(1) > best + 1e-9 || value(2) > best + 1e-9)) return;
   Homogeneous left;
   Homogeneous right;

@@ -73,7 +73,7 @@ bool pinStreamReplies(Bytes bytes) {
     source::ChildSourceOptions options;
     options.child = kChild.name();
     options.image = "image.hex";                          // What a child on another computer opens.
-    options.image = asFile("image", std::string_view());  // Its digest is taken.
+    options.image = asFile("image", std::string_view());  // A digest of it is taken.
     const auto pins = source::openChild(options);
     source::Batch batch;
     Tick until = 0;
