@@ -72,7 +72,6 @@ bool pinStreamReplies(Bytes bytes) {
   (void)takes<std::runtime_error>([&] {
     source::ChildSourceOptions options;
     options.child = kChild.name();
-    options.image = "image.hex";                          // What a child on another computer opens.
     options.image = asFile("image", std::string_view());  // A digest of it is taken.
     const auto pins = source::openChild(options);
     source::Batch batch;
