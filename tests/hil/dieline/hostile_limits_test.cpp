@@ -124,7 +124,7 @@ TEST(HostileLimits, Cf2) {
       {"a SUB that places itself", ".cf2", head + "C,S,0,0,0,1,1\nEND\nSUB,S\nC,S,0,0,0,1,1\n" + tail, "S"},
       {"1e308", ".cf2", head + "L,2,1,0,1e308,0,1,1,0,0\n" + tail, "1e308"},
       {"10^6 lines of an unknown type", ".cf2", head + times(1'000'001, "L,2,77,0,0,0,1,1,0,0\n") + tail,
-       "more than 1000000 records"},
+       "more than 1000000 records", 256, 2},
       {"a record of 64 MB", ".cf2", head + "L,2,1,0," + std::string(64'000'000, '9') + ",0,1,1,0,0\n" + tail,
        "no number of a drawing"},
   });
