@@ -15,6 +15,7 @@
 #include "hil/base/exit_codes.h"
 #include "hil/base/input_error.h"
 #include "hil/base/terminal.h"
+#include "hil/base/yaml_faults.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/files/calibration_file.h"
 #include "hil/calibrate/files/target_file.h"
@@ -40,14 +41,6 @@ namespace fs = std::filesystem;
 
 void say(const std::string& line) { base::toTerminal(stdout, line + "\n"); }
 
-std::string textOf(const std::vector<base::YamlReader::Fault>& faults) {
-  std::string text;
-  for (const base::YamlReader::Fault& fault : faults)
-    text += fmt::format("{}{}:{}: {}: {}", text.empty() ? "" : "\n", fault.path.string(), fault.line,
-                        fault.key, fault.message);
-  return text;
-}
-
 /// A file of settings that is checked, or a text that came on standard input.
 struct LintedText {
   fs::path path;
@@ -59,7 +52,7 @@ struct LintedText {
   [[nodiscard]] scenario::Scenario scenario(const scenario::ImagePath& images) const {
     if (!text) return scenario::readScenario(path, images);
     scenario::ScenarioDraft draft = scenario::draftScenario(path, *text, images);
-    if (!draft.faults.empty()) throw base::ConfigError(textOf(draft.faults));
+    if (!draft.faults.empty()) throw base::ConfigError(base::faultsText(draft.faults));
     return std::move(draft.scenario);
   }
   [[nodiscard]] machine_file::MachineFile machine() const {

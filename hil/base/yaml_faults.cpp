@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What was asked of a file, where it stands, and all that is wrong with it.
+#include "hil/base/yaml_faults.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -69,18 +71,22 @@ std::vector<YamlReader::Fault> YamlReader::faults() const {
 }
 
 void YamlReader::finish() {
+  const std::string message = faultsText(faults());
+  if (!message.empty()) throw ConfigError(message);
+}
+
+std::string faultsText(const std::vector<YamlReader::Fault>& faults) {
   std::string message;
-  const std::vector<Fault> all = faults();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Fault& fault = all[i];
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    const YamlReader::Fault& fault = faults[i];
     if (i == kMostTold) {
-      message += fmt::format("\n{}: {} faults more", fault.path.string(), all.size() - kMostTold);
+      message += fmt::format("\n{}: {} faults more", fault.path.string(), faults.size() - kMostTold);
       break;
     }
     message += fmt::format("{}{}:{}: {}{}{}", message.empty() ? "" : "\n", fault.path.string(), fault.line,
                            fault.key, fault.key.empty() ? "" : ": ", fault.message);
   }
-  if (!message.empty()) throw ConfigError(message);
+  return message;
 }
 
 }  // namespace kerfbench::base
