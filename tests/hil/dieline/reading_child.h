@@ -21,7 +21,7 @@ ReadingChild readInChild(const std::filesystem::path& path);
 /// True if the child's build has a sanitizer, whose own memory and time count.
 bool childIsWatched();
 
-/// Expects that a file is refused with one line that holds `sentence`, within 1 s of a processor and
+/// Expects that a file is refused with one line that holds `sentence`, within `most_s` of a processor and
 /// `most_mib`.
 void expectRefusedInTime(const std::filesystem::path& path, const std::string& name,
                          const std::string& sentence, double most_mib = 256, double most_s = 1);
